@@ -1,0 +1,38 @@
+/// Reading scene files. One importer a format; every index, range, count, node graph and number is checked after the
+/// format's parser, whatever that parser said.
+#pragma once
+
+#include "scene/scene.hpp"
+
+#include <filesystem>
+#include <span>
+
+namespace raig {
+
+/// Reads a scene by its file name's ending: .gltf .glb .obj .ply .stl (any case), then completes it.
+///
+/// Ensures: every index in the scene is in range, numbers other than mesh positions are finite, at least one material and
+/// one camera; lights and sky are as in the file, or a headlight and a sky where it has no light at all (completeScene).
+/// Throws inputError with file and line or JSON pointer if the file cannot be used; limitError if it is too large.
+Scene importScene(const std::filesystem::path& path);
+
+/// The importers, one a format. They throw as importScene does, and leave completing to it.
+Scene importGltf(const std::filesystem::path& path);  ///< .gltf and .glb (scene/gltf.cpp)
+Scene importObj(const std::filesystem::path& path);   ///< with its .mtl files (scene/obj.cpp)
+Scene importPly(const std::filesystem::path& path);   ///< ASCII and binary of both byte orders (scene/ply.cpp)
+Scene importStl(const std::filesystem::path& path);   ///< ASCII and binary (scene/stl.cpp)
+
+/// Adds what a picture needs and the file lacks, each with a remark: a material; a camera in a three-quarter view that
+/// frames the usable triangles (PEERS' standard camera); and, if there is neither a light nor an emitting triangle, a
+/// headlight (directional, along the first camera, irradiance pi) with a sky and some ambient light.
+void completeScene(Scene& scene);
+
+/// The tightest three-quarter view of `points` (finite ones): centre c of `framed`, towards normalize(0.5, 0.35, 1),
+/// up +Y, 45 degrees, every point of `points` inside `framed` within the middle 95 % of a square frame.
+Camera threeQuarterView(const std::vector<vec3>& points, const Box& framed);
+
+/// Decodes a PNG or JPEG (or what else stb_image reads) into sRGB texels. Throws inputError naming `place`; limitError
+/// beyond 16384 x 16384.
+Texels decodeImage(std::span<const std::byte> bytes, const std::string& place);
+
+}  // namespace raig

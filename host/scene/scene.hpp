@@ -1,0 +1,116 @@
+/// The scene as plain values: what the files said, checked, with nothing of devices or structures in it.
+///
+/// Lengths are in the file's units, angles in radians, colours linear RGB (images: sRGB texels, decoded on use).
+#pragma once
+
+#include "base/box.hpp"
+#include "base/vectors.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace raig {
+
+/// An image of sRGB texels (alpha linear), row by row from the top, 4 bytes each.
+struct Texels {
+    uint32_t width = 0;
+    uint32_t height = 0;
+    std::vector<uint8_t> rgba;
+};
+
+enum class Wrap : uint32_t { repeat = 0, clamp = 1, mirror = 2 };
+
+/// A look-up of an image: bilinear, uv (0, 0) at the top left corner of the top left texel.
+struct Texture {
+    uint32_t image = 0;
+    Wrap wrapU = Wrap::repeat;
+    Wrap wrapV = Wrap::repeat;
+};
+
+/// A surface, in the terms of glTF 2.0; MTL files are mapped onto it (see scene/obj.hpp).
+struct Material {
+    std::string name;
+    vec3 baseColor{0.8f};
+    float alpha = 1.0f;            ///< coverage; below 1 only where the file blends
+    float metallic = 0.0f;
+    float roughness = 1.0f;
+    float transmission = 0.0f;     ///< KHR_materials_transmission
+    float ior = 1.5f;              ///< KHR_materials_ior
+    bool thin = true;              ///< no KHR_materials_volume: light passes without being bent
+    vec3 attenuationColor{1.0f};   ///< what is left of white light after attenuationDistance inside
+    float attenuationDistance = 0; ///< 0: nothing is absorbed
+    vec3 emission{0.0f};           ///< radiance, strength included
+    std::optional<Texture> baseColorTexture;
+};
+
+/// Triangles in file order. `normals`, `uvs` and `colors` are empty or have one entry a vertex.
+/// Every index is in range; normals are unit length or zero; no promise is made about positions (they may be NaN).
+struct Mesh {
+    std::string name;
+    std::vector<vec3> positions;
+    std::vector<vec3> normals;
+    std::vector<vec2> uvs;
+    std::vector<vec3> colors;
+    std::vector<uvec3> triangles;
+    std::vector<uint32_t> materials;  ///< one a triangle, an index into Scene::materials
+};
+
+/// A mesh put into the world. `toWorld` is finite and affine; it may be singular (its triangles are then dropped).
+struct Instance {
+    uint32_t mesh = 0;
+    dmat4 toWorld{1.0};
+};
+
+struct Light {
+    enum class Type : uint32_t { point = 0, spot = 1, directional = 2 };
+    Type type = Type::point;
+    vec3 position{0.0f};
+    vec3 direction{0.0f, 0.0f, -1.0f};  ///< unit, in which the light shines
+    vec3 intensity{1.0f};               ///< W/sr a channel (point, spot); irradiance W/m^2 (directional)
+    float innerConeAngle = 0.0f;        ///< spot: full intensity inside, from the axis
+    float outerConeAngle = 0.785398f;   ///< spot: none outside
+    float range = 0.0f;                 ///< 0: unlimited; else no light beyond (KHR_lights_punctual)
+};
+
+struct Camera {
+    std::string name;
+    vec3 eye{0.0f, 0.0f, 1.0f};
+    vec3 forward{0.0f, 0.0f, -1.0f};  ///< unit
+    vec3 right{1.0f, 0.0f, 0.0f};     ///< unit
+    vec3 up{0.0f, 1.0f, 0.0f};        ///< unit, perpendicular to forward and right
+    bool orthographic = false;
+    float yfov = 0.785398f;           ///< full vertical angle (perspective)
+    float xmag = 1.0f, ymag = 1.0f;   ///< half width and height (orthographic)
+    float aspect = 0.0f;              ///< width / height the file asks for; 0: that of the picture
+};
+
+/// Light from where nothing is: horizon to zenith (world +Y) by height, and below the horizon `ground` to horizon.
+struct Sky {
+    vec3 zenith{0.0f};
+    vec3 horizon{0.0f};
+    vec3 ground{0.0f};
+};
+
+/// How many primitives cannot be used, by reason. They keep their ids, and no ray hits them.
+struct Dropped {
+    uint64_t nonFinite = 0;  ///< a corner is NaN, infinite, or beyond +-1.844e18
+    uint64_t zeroArea = 0;   ///< corners coincide or are collinear
+    uint64_t other = 0;      ///< points, lines, and faces of fewer than 3 corners
+};
+
+struct Scene {
+    std::vector<Mesh> meshes;
+    std::vector<Instance> instances;
+    std::vector<Material> materials;  ///< at least one
+    std::vector<Texels> images;
+    std::vector<Light> lights;
+    std::vector<Camera> cameras;      ///< at least one, once completed
+    Sky sky;
+    vec3 ambient{0.0f};               ///< radiance that reaches every surface from everywhere
+    uint64_t otherPrimitives = 0;     ///< points, lines, faces of fewer than 3 corners: left out by the importer
+    std::vector<std::string> remarks; ///< what was left out, replaced or assumed, one line each
+};
+
+}  // namespace raig
