@@ -1,0 +1,61 @@
+/// What the command line asked for, as plain values, checked: every number is in its range.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace raig {
+
+enum class Command { render, trace, compare, devices };
+
+/// Which hit of a ray is wanted: the nearest one, or any.
+enum class Query { closest, any };
+
+/// All options of all commands; each command reads its own and finds the defaults in the rest. Choices that only a part of
+/// the program knows (structures, walks, builders, devices, cameras) stay names, checked by that part with a usageError.
+struct Options {
+    Command command = Command::devices;
+
+    // Common.
+    std::string device = "auto";  ///< auto, cpu, an index of `raig devices`, or a part of a name
+    uint32_t threads = 0;         ///< 0: all cores
+    uint32_t seed = 0;
+    bool json = false;            ///< one JSON document on standard output
+    bool quiet = false;
+
+    // The acceleration structure.
+    std::string accel = "bvh";    ///< a line of structures/registry.def
+    std::string walk = "auto";    ///< auto: the fastest measured on the device
+    std::string build;            ///< empty: the structure's own default
+    uint32_t maxLeaf = 0;         ///< most primitives a leaf should hold (MAX_OBJ); 0: the structure's own default
+
+    // What is read and written. `trace` and `render` have one scene; `compare` a scene, or two pictures.
+    std::vector<std::filesystem::path> inputs;
+    std::filesystem::path output;  ///< render: the picture; compare: the difference picture, empty if none is wanted
+
+    // Pictures: render, and compare of a scene.
+    uint32_t width = 512;
+    uint32_t height = 512;
+    std::string camera;                    ///< a name or an index in the file; empty: the first
+    uint32_t maxDepth = 8;                 ///< NIVELL_MAX: levels of reflection and refraction below the primary ray
+    double minContribution = 1.0 / 512.0;  ///< MIN_CONTRIB: no ray that contributes less is traced
+    uint32_t samples = 0;                  ///< a pixel; 0: the command's own default
+
+    // trace.
+    std::filesystem::path rays;
+    std::filesystem::path hits;
+    Query query = Query::closest;
+};
+
+/// Parses a command line.
+///
+/// Ensures: numbers are in range; picture files end in .png, .hdr, .exr or .pfm; a folder stands for each file to be written.
+/// Nothing if help or the version was asked for, and has been printed on standard output.
+/// Throws Error: usage for a wrong command line (its text names the option and what is allowed), badInput for a missing
+/// output folder.
+std::optional<Options> parseOptions(int argc, const char* const* argv);
+
+}  // namespace raig
