@@ -1,6 +1,8 @@
 /// What the command line asked for, as plain values, checked: every number is in its range.
 #pragma once
 
+#include "rays/types.hpp"
+
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -10,9 +12,6 @@
 namespace raig {
 
 enum class Command { render, trace, compare, devices };
-
-/// Which hit of a ray is wanted: the nearest one, or any.
-enum class Query { closest, any };
 
 /// All options of all commands; each command reads its own and finds the defaults in the rest. Choices that only a part of
 /// the program knows (structures, walks, builders, devices, cameras) stay names, checked by that part with a usageError.

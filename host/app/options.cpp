@@ -1,0 +1,235 @@
+#include "app/options.hpp"
+
+#include "base/error.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string_view>
+
+namespace raig {
+
+namespace {
+
+constexpr uint32_t largest = std::numeric_limits<uint32_t>::max();
+
+const std::vector<std::string> structureNames = {
+#define RAIG_STRUCTURE(name) #name,
+#include "structures/registry.def"
+#undef RAIG_STRUCTURE
+};
+
+/// The whole text as one number, or nothing. No blanks, no plus sign, no trailing characters.
+template <class Number>
+std::optional<Number> numberOf(std::string_view text) {
+    Number value{};
+    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (fault != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+    return value;
+}
+
+std::optional<uint32_t> wholeNumber(std::string_view text, uint32_t low, uint32_t high) {
+    const std::optional<uint32_t> value = numberOf<uint32_t>(text);
+    return value && *value >= low && *value <= high ? value : std::nullopt;
+}
+
+/// "0.25" or "1/4", in [0, 1].
+std::optional<double> fraction(std::string_view text) {
+    const size_t slash = text.find('/');
+    const std::optional<double> over = numberOf<double>(text.substr(0, slash));
+    const std::optional<double> under = slash == text.npos ? 1.0 : numberOf<double>(text.substr(slash + 1));
+    if (!over || !under) return std::nullopt;
+    const double value = *over / *under;
+    return value >= 0.0 && value <= 1.0 ? std::optional(value) : std::nullopt;  // NaN is neither
+}
+
+void addWholeNumber(CLI::App& app, const std::string& name, uint32_t& value, uint32_t low, uint32_t high,
+                    const std::string& description) {
+    const auto parse = [&value, name, low, high](const std::string& text) {
+        const std::optional<uint32_t> number = wholeNumber(text, low, high);
+        if (!number) throw usageError("{} {}: a whole number from {} to {} is wanted", name, text, low, high);
+        value = *number;
+    };
+    app.add_option_function<std::string>(name, parse, description)->type_name("N");
+}
+
+void addCommon(CLI::App& app, Options& options) {
+    app.add_option("--device", options.device, "auto, cpu, an INDEX of `raig devices`, or a part of a NAME (default: auto)")
+        ->type_name("DEVICE");
+    addWholeNumber(app, "--threads", options.threads, 0, 1024, "processor threads, 0: one a core (default: 0)");
+    app.add_flag("--json", options.json, "print one JSON document on standard output");
+    app.add_flag("--quiet", options.quiet, "print no remarks and no progress");
+}
+
+void addStructure(CLI::App& app, Options& options) {
+    const auto parse = [&options](const std::string& text) {
+        if (std::find(structureNames.begin(), structureNames.end(), text) == structureNames.end())
+            throw usageError("--accel {}: there is no such structure; there are {}", text, fmt::join(structureNames, ", "));
+        options.accel = text;
+    };
+    app.add_option_function<std::string>(
+           "--accel", parse, fmt::format("acceleration structure: {} (default: bvh)", fmt::join(structureNames, ", ")))
+        ->type_name("NAME");
+    app.add_option("--walk", options.walk, "how the structure is walked (default: auto, the fastest measured)")
+        ->type_name("NAME");
+    app.add_option("--build", options.build, "how the structure is built (default: the structure's own)")->type_name("NAME");
+    addWholeNumber(app, "--max-leaf", options.maxLeaf, 1, 255, "most primitives a leaf should hold, MAX_OBJ");
+    addWholeNumber(app, "--seed", options.seed, 0, largest, "of the random numbers (default: 0)");
+}
+
+void addPicture(CLI::App& app, Options& options) {
+    const auto parseSize = [&options](const std::string& text) {
+        const size_t cross = text.find('x');
+        const auto width = wholeNumber(text.substr(0, cross), 1, 65536);
+        const auto height = cross == text.npos ? std::nullopt : wholeNumber(text.substr(cross + 1), 1, 65536);
+        if (!width || !height) throw usageError("--size {}: WIDTHxHEIGHT is wanted, each from 1 to 65536", text);
+        options.width = *width;
+        options.height = *height;
+    };
+    const auto parseContribution = [&options](const std::string& text) {
+        const std::optional<double> value = fraction(text);
+        if (!value) throw usageError("--min-contribution {}: a number or fraction from 0 to 1 is wanted, as 1/512", text);
+        options.minContribution = *value;
+    };
+    app.add_option_function<std::string>("--size", parseSize, "of the picture (default: 512x512)")->type_name("WxH");
+    app.add_option("--camera", options.camera, "a camera of the file, by name or index (default: the first)")
+        ->type_name("CAMERA");
+    addWholeNumber(app, "--max-depth", options.maxDepth, 0, 1000,
+                   "levels of reflection and refraction, NIVELL_MAX (default: 8)");
+    app.add_option_function<std::string>("--min-contribution", parseContribution,
+                                         "what contributes less is not traced, MIN_CONTRIB (default: 1/512)")
+        ->type_name("X");
+    addWholeNumber(app, "--spp", options.samples, 1, 65536, "samples a pixel");
+}
+
+void addPictureFile(CLI::App& app, Options& options, const std::string& description, bool required) {
+    const auto parse = [&options](const std::string& text) {
+        std::string ending = std::filesystem::path(text).extension().string();
+        std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+        if (ending != ".png" && ending != ".hdr" && ending != ".exr" && ending != ".pfm")
+            throw usageError("--output {}: a file ending in .png, .hdr, .exr or .pfm is wanted", text);
+        options.output = text;
+    };
+    app.add_option_function<std::string>("-o,--output", parse, description)->type_name("FILE")->required(required);
+}
+
+void addRender(CLI::App& app, Options& options) {
+    CLI::App& command = *app.add_subcommand("render", "Render a picture of a scene");
+    command.callback([&options] { options.command = Command::render; });
+    command.add_option("scene", options.inputs, "a .gltf, .glb, .obj, .ply or .stl file")
+        ->type_name("SCENE")->required()->expected(1);
+    addPictureFile(command, options, "the picture: .png, .hdr, .exr or .pfm", true);
+    addPicture(command, options);
+    addStructure(command, options);
+    addCommon(command, options);
+    command.footer("Examples:\n"
+                   "  raig render scene.glb -o out.png\n"
+                   "  raig render scene.obj -o out.exr --size 1280x720 --spp 16 --device cpu\n"
+                   "  raig render glass.glb -o out.png --max-depth 20 --min-contribution 1/4096");
+}
+
+void addTrace(CLI::App& app, Options& options) {
+    CLI::App& command = *app.add_subcommand("trace", "Trace a batch of rays");
+    command.callback([&options] { options.command = Command::trace; });
+    command.add_option("scene", options.inputs, "a .gltf, .glb, .obj, .ply or .stl file")
+        ->type_name("SCENE")->required()->expected(1);
+    command.add_option("--rays", options.rays, "NumPy file of float32 [N,8]: ox oy oz tmin dx dy dz tmax")
+        ->type_name("FILE")->required();
+    command.add_option("--hits", options.hits,
+                       "NumPy file to write: t u v float32, primitive instance uint32 (0xffffffff: none)")
+        ->type_name("FILE")->required();
+    const auto parseQuery = [&options](const std::string& text) {
+        if (text != "closest" && text != "any") throw usageError("--query {}: closest or any is wanted", text);
+        options.query = text == "any" ? Query::any : Query::closest;
+    };
+    command.add_option_function<std::string>("--query", parseQuery, "closest or any (default: closest)")->type_name("QUERY");
+    addStructure(command, options);
+    addCommon(command, options);
+    command.footer("Examples:\n"
+                   "  raig trace bunny.ply --rays rays.npy --hits hits.npy\n"
+                   "  raig trace room.glb --rays shadow.npy --hits hits.npy --query any --json");
+}
+
+void addCompare(CLI::App& app, Options& options) {
+    CLI::App& command = *app.add_subcommand("compare", "Compare the device with the reference, or two pictures");
+    command.callback([&options] { options.command = Command::compare; });
+    const auto addInput = [&options](const std::string& text) { options.inputs.emplace_back(text); };
+    command.add_option_function<std::string>("first", addInput, "a scene, or a picture")->type_name("FILE")->required();
+    command.add_option_function<std::string>("second", addInput, "the picture to compare a picture with")->type_name("FILE");
+    addPictureFile(command, options, "the difference picture: .png, .hdr, .exr or .pfm", false);
+    addPicture(command, options);
+    addStructure(command, options);
+    addCommon(command, options);
+    command.footer("Examples:\n"
+                   "  raig compare scene.glb\n"
+                   "  raig compare a.png b.png -o difference.png --json\n"
+                   "Exits with 1 if what is compared differs by more than the accuracy contract allows.");
+}
+
+void addDevices(CLI::App& app, Options& options) {
+    CLI::App& command = *app.add_subcommand("devices", "List the Vulkan devices, their limits and their arithmetic");
+    command.callback([&options] { options.command = Command::devices; });
+    addCommon(command, options);
+    command.footer("Examples:\n  raig devices\n  raig devices --json");
+}
+
+/// CLI11's error in our words: one line that ends with where to look.
+Error explained(const CLI::App& app, const CLI::ParseError& error, int argc, const char* const* argv) {
+    const std::vector<const CLI::App*> chosen = app.get_subcommands([](const CLI::App* sub) { return sub->parsed(); });
+    if (!chosen.empty()) return usageError("{}; see raig {} --help", error.what(), chosen.front()->get_name());
+    const char* const* word = std::find_if(argv + 1, argv + argc, [](std::string_view text) { return !text.starts_with('-'); });
+    const char* const commands = "render, trace, compare and devices; see raig --help";
+    if (word == argv + argc && argc > 1) return usageError("{}: the commands are {}", error.what(), commands);
+    if (word == argv + argc) return usageError("a command is wanted; there are {}", commands);
+    return usageError("there is no command {}; there are {}", *word, commands);
+}
+
+void checkFolderOf(const std::filesystem::path& file) {
+    if (file.empty()) return;
+    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(folder, ignored))
+        throw inputError(file, "cannot be written: there is no folder {}; make it first", folder.string());
+    if (std::filesystem::is_directory(file, ignored)) throw inputError(file, "cannot be written: it is a folder");
+}
+
+}  // namespace
+
+std::optional<Options> parseOptions(int argc, const char* const* argv) {
+    Options options;
+    CLI::App app("raig traces rays through 3D scenes on any Vulkan device, and says how right the answers are.", "raig");
+    app.set_version_flag("--version", "raig " RAIG_VERSION, "print the version");
+    app.require_subcommand(1);
+    app.footer("Examples:\n"
+               "  raig render scene.glb -o out.png\n"
+               "  raig compare scene.glb\n"
+               "Options of a command: raig COMMAND --help\n"
+               "Exit codes: 0 done, 1 a comparison fell short, 2 wrong usage, 3 bad input, 4 no usable device,\n"
+               "            5 a limit was reached, 70 a bug in raig");
+    addRender(app, options);
+    addTrace(app, options);
+    addCompare(app, options);
+    addDevices(app, options);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::CallForVersion& version) {
+        std::printf("%s\n", version.what());
+        return std::nullopt;
+    } catch (const CLI::CallForHelp&) {
+        std::fputs(app.help().c_str(), stdout);
+        return std::nullopt;
+    } catch (const CLI::ParseError& error) {
+        throw explained(app, error, argc, argv);
+    }
+    for (const std::filesystem::path& input : options.inputs)
+        if (input.empty()) throw usageError("a file name is empty");
+    checkFolderOf(options.output);
+    checkFolderOf(options.hits);
+    return options;
+}
+
+}  // namespace raig
