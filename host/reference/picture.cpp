@@ -1,0 +1,89 @@
+#include "reference/picture.hpp"
+
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+#include "reference/sampling.hpp"
+
+#include <algorithm>
+#include <mutex>
+
+namespace raig::reference {
+
+namespace {
+
+/// Half the width and height of the picture, at distance 1 (perspective) or in world units (orthographic).
+dvec2 halfSize(const Camera& camera, double aspect) {
+    if (camera.orthographic)
+        return aspect > double{camera.xmag} / camera.ymag ? dvec2(camera.ymag * aspect, camera.ymag)
+                                                         : dvec2(camera.xmag, camera.xmag / aspect);
+    const double halfHeight = std::tan(0.5 * camera.yfov);
+    return {halfHeight * aspect, halfHeight};
+}
+
+/// A pixel's mean radiance and discarded weight. `variant` counts the roundings; nothing: as it is.
+Radiance shadePixel(const World& world, const PictureOptions& options, uint32_t px, uint32_t py,
+                    std::optional<uint32_t> variant) {
+    const Camera& camera = world.scene.cameras[options.camera];
+    const double eye = std::max({std::abs(camera.eye.x), std::abs(camera.eye.y), std::abs(camera.eye.z)});
+    const uint32_t pixel = py * options.width + px;
+    Radiance mean;
+    for (uint32_t sample = 0; sample < options.samples; ++sample) {
+        SampleId id{pixel, sample};
+        Ray ray = cameraRay(camera, options, px, py, sample);
+        if (variant) {
+            id.rounding = Rounding(pixel, sample, *variant);
+            ray.origin = id.rounding.position(ray.origin, eye, 0);
+            ray.direction = id.rounding.direction(ray.direction, 1);
+        }
+        const Radiance radiance = traceRay(world, ray, options.bounds, id);
+        mean.value += radiance.value;
+        mean.discarded += radiance.discarded;
+    }
+    mean.value /= options.samples;
+    mean.discarded /= options.samples;
+    return mean;
+}
+
+}  // namespace
+
+Ray cameraRay(const Camera& camera, const PictureOptions& options, uint32_t px, uint32_t py, uint32_t sample) {
+    const double width = options.width, height = options.height;
+    const dvec2 place = options.samples == 1 ? dvec2(0.5) : sample2(py * options.width + px, sample, 0, options.bounds.seed);
+    const dvec2 half = halfSize(camera, width / height);
+    const double sx = (2.0 * (px + place.x) / width - 1.0) * half.x;
+    const double sy = (1.0 - 2.0 * (py + place.y) / height) * half.y;
+    const dvec3 eye = camera.eye, forward = camera.forward, aside = sx * dvec3(camera.right) + sy * dvec3(camera.up);
+    Ray ray;
+    ray.origin = camera.orthographic ? eye + aside : eye;
+    ray.direction = glm::normalize(camera.orthographic ? forward : forward + aside);
+    return ray;
+}
+
+Picture render(const World& world, const PictureOptions& options, const std::function<void(double)>& progress) {
+    RAIG_CHECK_OP(options.camera, <, world.scene.cameras.size());
+    RAIG_CHECK(options.width > 0 && options.height > 0 && options.samples > 0 && options.samples <= 65536);
+    const size_t count = size_t{options.width} * options.height;
+    Picture picture{options.width, options.height, std::vector<dvec3>(count), std::vector<double>(count),
+                    std::vector<double>(count)};
+    std::mutex mutex;
+    size_t done = 0;
+    parallelFor(count, 64, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+            const auto px = static_cast<uint32_t>(i % options.width), py = static_cast<uint32_t>(i / options.width);
+            const Radiance nominal = shadePixel(world, options, px, py, std::nullopt);
+            picture.radiance[i] = nominal.value;
+            picture.discarded[i] = nominal.discarded;
+            for (uint32_t variant = 0; variant < options.roundings; ++variant) {
+                const dvec3 moved = glm::abs(shadePixel(world, options, px, py, variant).value - nominal.value);
+                picture.sensitivity[i] = std::max({picture.sensitivity[i], moved.x, moved.y, moved.z});
+            }
+        }
+        if (!progress) return;
+        const std::lock_guard lock(mutex);
+        done += end - begin;
+        progress(static_cast<double>(done) / static_cast<double>(count));
+    });
+    return picture;
+}
+
+}  // namespace raig::reference

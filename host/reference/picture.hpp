@@ -1,0 +1,41 @@
+/// Pictures by the reference, each pixel with how far float rounding alone can move it.
+#pragma once
+
+#include "reference/whitted.hpp"
+
+#include <functional>
+
+namespace raig::reference {
+
+struct PictureOptions {
+    uint32_t width = 256;
+    uint32_t height = 256;
+    uint32_t samples = 1;    ///< a pixel, at most 65536
+    uint32_t camera = 0;     ///< an index into Scene::cameras
+    Bounds bounds;
+    uint32_t roundings = 4;  ///< how often each pixel is shaded again with its rays rounded (see rounding.hpp)
+};
+
+/// Pixels row by row from the top, linear RGB.
+struct Picture {
+    uint32_t width = 0;
+    uint32_t height = 0;
+    std::vector<dvec3> radiance;
+    std::vector<double> discarded;    ///< the weight of the rays not followed, a pixel
+    std::vector<double> sensitivity;  ///< the largest change of a channel under the roundings
+};
+
+/// The ray of a sample: through the pixel's centre if it is the only one, else through a stratified random place in it.
+/// Perspective or orthographic; the picture shows at least the height the camera asks for, and all of an orthographic frame.
+/// Requires px < width, py < height, sample < options.samples. The direction is unit length.
+Ray cameraRay(const Camera& camera, const PictureOptions& options, uint32_t px, uint32_t py, uint32_t sample);
+
+/// Renders by traceRay, over all cores; the same bits whatever their number.
+///
+/// Requires  options.camera < scene.cameras.size(), a size of at least 1 x 1.
+/// Ensures   a pixel is the mean of its samples. `progress`, if given, is told the share done from 0 to 1, from any thread
+///           but never from two at once.
+/// Cost      (1 + roundings) * width * height * samples recursions.
+Picture render(const World& world, const PictureOptions& options, const std::function<void(double)>& progress = {});
+
+}  // namespace raig::reference

@@ -1,0 +1,161 @@
+#include "reference/whitted.hpp"
+
+#include "reference/optics.hpp"
+#include "reference/sampling.hpp"
+
+#include <algorithm>
+
+namespace raig::reference {
+
+namespace {
+
+double largest(const dvec3& v) { return std::max({v.x, v.y, v.z}); }
+
+/// What a surface does with light that arrives along a ray.
+struct Scattering {
+    dvec3 diffuse{0.0};
+    dvec3 reflection{0.0};
+    dvec3 transmission{0.0};
+    dvec3 reflected{0.0};    ///< directions, unit
+    dvec3 transmitted{0.0};
+};
+
+Scattering scatterOpaque(const SurfacePoint& p, double cosI) {
+    const Surface& s = *p.surface;
+    Scattering result;
+    if (s.gloss > 0.0f) {
+        const dvec3 mirror = s.tintsMirror ? dvec3(s.mirror) * p.tint : dvec3(s.mirror);
+        result.reflection = mirror + (dvec3(s.gloss) - mirror) * std::pow(1.0 - cosI, 5.0);
+    }
+    result.diffuse = (1.0 - result.reflection) * (dvec3(s.diffuse) * p.tint);
+    return result;
+}
+
+Scattering scatterTransmissive(const SurfacePoint& p, const dvec3& d, double cosI) {
+    const Surface& s = *p.surface;
+    const bool entering = s.thin || p.front;
+    const double n1 = entering ? 1.0 : double{s.ior}, n2 = entering ? double{s.ior} : 1.0;
+    double reflectance = fresnel(cosI, n1, n2);
+    Scattering result;
+    if (s.thin) {
+        result.transmitted = d;
+    } else if (reflectance < 1.0) {
+        std::optional<dvec3> bent = refract(d, p.shadingNormal, n1 / n2);
+        // An interpolated normal may send the ray back out of the face it went into: the face's own normal never does.
+        if (bent && glm::dot(*bent, p.normal) >= 0.0) bent = refract(d, p.normal, n1 / n2);
+        if (bent)
+            result.transmitted = glm::normalize(*bent);
+        else
+            reflectance = 1.0;
+    }
+    result.reflection = dvec3(reflectance);
+    result.transmission = (1.0 - reflectance) * (s.tintsThrough ? dvec3(s.transmission) * p.tint : dvec3(s.transmission));
+    result.diffuse = (1.0 - reflectance) * (dvec3(s.diffuse) * p.tint);
+    return result;
+}
+
+Scattering scatter(const SurfacePoint& p, const dvec3& d) {
+    const double cosI = std::min(1.0, -glm::dot(d, p.shadingNormal));
+    Scattering result =
+        largest(p.surface->transmission) > 0.0 ? scatterTransmissive(p, d, cosI) : scatterOpaque(p, cosI);
+    result.reflected = reflect(d, p.shadingNormal);
+    if (glm::dot(result.reflected, p.normal) <= 0.0) result.reflected = reflect(d, p.normal);
+    result.reflected = glm::normalize(result.reflected);
+    return result;
+}
+
+/// Where a ray leaves the surface from, on the side that `side` points to. Double precision needs hardly any offset, as the
+/// triangle that is left is known; a rounded origin stays on its side, as float renderers see to that.
+dvec3 leave(const SurfacePoint& p, const dvec3& side, const SampleId& id, uint32_t key) {
+    const dvec3 rounded = id.rounding.position(p.position, p.magnitude, key) - p.position;
+    const double height = glm::dot(rounded, side);
+    return p.position + (height < 0.0 ? rounded - 2.0 * height * side : rounded) + 1e-12 * p.magnitude * side;
+}
+
+/// One sample's recursion.
+class Recursion {
+public:
+    Recursion(const World& world, const Bounds& bounds, const SampleId& id) : world_(world), bounds_(bounds), id_(id) {}
+
+    /// The radiance along `ray`, times `weight`.
+    dvec3 trace(const Ray& ray, dvec3 weight, uint32_t depth, uint32_t key, uint32_t leaving) {
+        const Hit hit = world_.tree.closest(ray, leaving);
+        if (hit.primitive == noTriangle) return weight * skyRadiance(world_.scene.sky, ray.direction);
+        const SurfacePoint p = surfaceAt(world_, ray, hit);
+        const Surface& s = *p.surface;
+        if (largest(s.transmission) > 0.0 && !s.thin && !p.front) weight *= glm::exp(-dvec3(s.absorption) * hit.t);
+
+        const Scattering scattering = scatter(p, ray.direction);
+        dvec3 radiance = weight * dvec3(s.emission);
+        if (largest(scattering.diffuse) > 0.0) radiance += weight * scattering.diffuse * directLight(p, hit.primitive, key);
+        radiance += follow(p, scattering.reflected, weight * scattering.reflection, p.normal, depth, 2 * key + 1, hit.primitive);
+        radiance +=
+            follow(p, scattering.transmitted, weight * scattering.transmission, -p.normal, depth, 2 * key + 2, hit.primitive);
+        return radiance;
+    }
+
+    double discarded() const { return discarded_; }
+
+private:
+    dvec3 follow(const SurfacePoint& p, const dvec3& direction, const dvec3& weight, const dvec3& side, uint32_t depth,
+                 uint32_t key, uint32_t leaving) {
+        if (largest(weight) <= 0.0) return dvec3(0.0);
+        if (depth + 1 > bounds_.maxDepth || largest(weight) < bounds_.minContribution) {
+            discarded_ += largest(weight);
+            return dvec3(0.0);
+        }
+        Ray child;
+        child.origin = leave(p, side, id_, 4 * key);
+        child.direction = id_.rounding.direction(direction, 4 * key + 1);
+        return trace(child, weight, depth + 1, key, leaving);
+    }
+
+    /// The light that a white diffuse surface would send back.
+    dvec3 directLight(const SurfacePoint& p, uint32_t leaving, uint32_t key) {
+        constexpr double pi = 3.14159265358979323846;
+        dvec3 light = world_.scene.ambient;
+        for (const Light& l : world_.scene.lights)
+            light += unshadowed(p, arriving(l, p.position, p.shadingNormal), leaving, key) / pi;
+        if (!world_.emitters.triangles.empty()) {
+            const dvec2 choice = sample2(id_.pixel, id_.sample, 1 + 3 * key, bounds_.seed);
+            const dvec2 place = sample2(id_.pixel, id_.sample, 2 + 3 * key, bounds_.seed);
+            light += unshadowed(p, arrivingFromEmitters(world_, choice.x, place, p.position, p.shadingNormal), leaving, key) / pi;
+        }
+        return light;
+    }
+
+    /// The irradiance of `light`, or none where it is behind the face or hidden.
+    dvec3 unshadowed(const SurfacePoint& p, const Arriving& light, uint32_t leaving, uint32_t key) {
+        if (light.irradiance == dvec3(0.0) || glm::dot(p.normal, light.direction) <= 0.0) return dvec3(0.0);
+        Ray shadow;
+        shadow.origin = leave(p, p.normal, id_, 4 * key + 2);
+        if (light.isFar) {
+            shadow.direction = id_.rounding.direction(light.direction, 4 * key + 3);
+        } else {
+            // An emitter's own triangle is passed over by its id, so the ray may end on it.
+            const bool isPoint = light.triangle == noTriangle;
+            const double magnitude = std::max({std::abs(light.position.x), std::abs(light.position.y), std::abs(light.position.z)});
+            const dvec3 end = isPoint ? light.position : id_.rounding.position(light.position, magnitude, 4 * key + 3);
+            shadow.direction = end - shadow.origin;
+            shadow.tMax = isPoint ? 1.0 : 1.0 - 1e-12;
+        }
+        return world_.tree.blocked(shadow, world_.seeThrough, leaving, light.triangle) ? dvec3(0.0) : light.irradiance;
+    }
+
+    const World& world_;
+    const Bounds& bounds_;
+    const SampleId& id_;
+    double discarded_ = 0.0;
+};
+
+}  // namespace
+
+Radiance traceRay(const World& world, const Ray& ray, const Bounds& bounds, const SampleId& id) {
+    Recursion recursion(world, bounds, id);
+    Radiance result;
+    result.value = recursion.trace(ray, dvec3(1.0), 0, 0, noTriangle);
+    result.discarded = recursion.discarded();
+    return result;
+}
+
+}  // namespace raig::reference

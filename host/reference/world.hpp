@@ -1,0 +1,78 @@
+/// What the reference shades with: surfaces, textures and lights of a scene, looked up in double precision.
+#pragma once
+
+#include "reference/tree.hpp"
+#include "scene/surface.hpp"
+
+#include <array>
+
+namespace raig::reference {
+
+/// The triangles that emit light, to be chosen in proportion to area times luminance (.2126 .7152 .0722).
+struct Emitters {
+    std::vector<uint32_t> triangles;  ///< usable ones with emission, by id
+    std::vector<double> areas;
+    std::vector<float> cumulative;    ///< shares summed in double, kept as floats; the last is exactly 1
+};
+
+/// A scene made ready. Scene and geometry must outlive it.
+struct World {
+    const Scene& scene;
+    const Geometry& geometry;
+    Tree tree;
+    std::vector<Surface> surfaces;     ///< one a material
+    std::vector<uint8_t> seeThrough;   ///< one a material: 1 where it transmits, and so casts no shadow
+    Emitters emitters;
+    std::array<double, 256> linear{};  ///< the radiance an sRGB byte stands for
+
+    /// Requires `geometry` to be flatten(scene). Cost: that of Tree.
+    World(const Scene& scene, const Geometry& geometry);
+};
+
+/// A point on a surface, as shading needs it.
+struct SurfacePoint {
+    const Surface* surface;
+    dvec3 position;
+    dvec3 faceNormal;     ///< unit, by the corners' order
+    dvec3 normal;         ///< unit, the face's, turned against the ray
+    dvec3 shadingNormal;  ///< unit, interpolated, turned against the ray
+    dvec3 tint;           ///< texture times vertex colour
+    bool front;
+    double magnitude;     ///< the largest coordinate that went into the position: corners, and corners seen from the origin
+};
+
+/// The point that `ray` (unit direction) hits. The shading normal is the interpolated one where every corner has one and
+/// their blend is at least 1e-3 long; the face's normal otherwise, and where the interpolated one is turned away from the ray.
+SurfacePoint surfaceAt(const World& world, const Ray& ray, const Hit& hit);
+
+/// The colour of a texture at `uv`: bilinear between the decoded texels, (0, 0) being the top left corner of the top left
+/// texel; alpha is ignored.
+dvec3 textureColour(const World& world, const Texture& texture, const dvec2& uv);
+
+/// The sky's radiance in direction d (unit): blended by height d.y from horizon to zenith, and below from horizon to ground.
+dvec3 skyRadiance(const Sky& sky, const dvec3& d);
+
+/// A light seen from a point: the irradiance it would cause there on a surface of normal `shadingNormal`, were nothing in
+/// between; its direction (unit), and where it is (for a directional light: a unit step towards it, and isFar).
+struct Arriving {
+    dvec3 irradiance{0.0};
+    dvec3 direction{0.0};
+    dvec3 position{0.0};
+    bool isFar = false;
+    uint32_t triangle = noTriangle;  ///< the emitter's
+};
+
+/// Light `light` at `position`. Point and spot lights fall off by the square of the distance, reach no farther than their
+/// range where they have one, and spots by the square of a ramp between the cosines of their cone angles
+/// [KHR_lights_punctual, glTF 2.0].
+Arriving arriving(const Light& light, const dvec3& position, const dvec3& shadingNormal);
+
+/// A random point of a random emitter, as a light: its irradiance is divided by the chance per area of that point.
+///
+/// Requires  at least one emitter; `choice` in [0, 1) chooses it, (u1, u2) in [0, 1)^2 the point on it, evenly by area.
+/// Ensures   the mean over uniform choices is the irradiance of all emitters together.
+/// Source    Turk 1990, "Generating Random Points in Triangles".
+Arriving arrivingFromEmitters(const World& world, double choice, const dvec2& place, const dvec3& position,
+                              const dvec3& shadingNormal);
+
+}  // namespace raig::reference
