@@ -81,7 +81,8 @@ void addStructure(CLI::App& app, Options& options) {
     addWholeNumber(app, "--seed", options.seed, 0, largest, "of the random numbers (default: 0)");
 }
 
-void addPicture(CLI::App& app, Options& options) {
+/// `side` is the command's default size, in pixels both ways.
+void addPicture(CLI::App& app, Options& options, uint32_t side) {
     const auto parseSize = [&options](const std::string& text) {
         const size_t cross = text.find('x');
         const auto width = wholeNumber(text.substr(0, cross), 1, 65536);
@@ -95,7 +96,9 @@ void addPicture(CLI::App& app, Options& options) {
         if (!value) throw usageError("--min-contribution {}: a number or fraction from 0 to 1 is wanted, as 1/512", text);
         options.minContribution = *value;
     };
-    app.add_option_function<std::string>("--size", parseSize, "of the picture (default: 512x512)")->type_name("WxH");
+    app.preparse_callback([&options, side](size_t) { options.width = options.height = side; });
+    app.add_option_function<std::string>("--size", parseSize, fmt::format("of the picture (default: {0}x{0})", side))
+        ->type_name("WxH");
     app.add_option("--camera", options.camera, "a camera of the file, by name or index (default: the first)")
         ->type_name("CAMERA");
     addWholeNumber(app, "--max-depth", options.maxDepth, 0, 1000,
@@ -123,7 +126,7 @@ void addRender(CLI::App& app, Options& options) {
     command.add_option("scene", options.inputs, "a .gltf, .glb, .obj, .ply or .stl file")
         ->type_name("SCENE")->required()->expected(1);
     addPictureFile(command, options, "the picture: .png, .hdr, .exr or .pfm", true);
-    addPicture(command, options);
+    addPicture(command, options, 512);
     addStructure(command, options);
     addCommon(command, options);
     command.footer("Examples:\n"
@@ -161,7 +164,7 @@ void addCompare(CLI::App& app, Options& options) {
     command.add_option_function<std::string>("first", addInput, "a scene, or a picture")->type_name("FILE")->required();
     command.add_option_function<std::string>("second", addInput, "the picture to compare a picture with")->type_name("FILE");
     addPictureFile(command, options, "the difference picture: .png, .hdr, .exr or .pfm", false);
-    addPicture(command, options);
+    addPicture(command, options, 256);
     addStructure(command, options);
     addCommon(command, options);
     command.footer("Examples:\n"

@@ -36,7 +36,7 @@ struct Options {
     std::filesystem::path output;  ///< render: the picture; compare: the difference picture, empty if none is wanted
 
     // Pictures: render, and compare of a scene.
-    uint32_t width = 512;
+    uint32_t width = 512;                  ///< compare: 256 where --size is not given, as the reference takes its time
     uint32_t height = 512;
     std::string camera;                    ///< a name or an index in the file; empty: the first
     uint32_t maxDepth = 8;                 ///< NIVELL_MAX: levels of reflection and refraction below the primary ray
