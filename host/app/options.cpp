@@ -57,6 +57,12 @@ void addWholeNumber(CLI::App& app, const std::string& name, uint32_t& value, uin
     app.add_option_function<std::string>(name, parse, description)->type_name("N");
 }
 
+/// A file named by its place on the command line.
+CLI::Option* addInput(CLI::App& app, Options& options, const std::string& name, const std::string& description) {
+    const auto append = [&options](const std::string& text) { options.inputs.emplace_back(text); };
+    return app.add_option_function<std::string>(name, append, description)->type_name("FILE");
+}
+
 void addCommon(CLI::App& app, Options& options) {
     app.add_option("--device", options.device, "auto, cpu, an INDEX of `raig devices`, or a part of a NAME (default: auto)")
         ->type_name("DEVICE");
@@ -123,8 +129,7 @@ void addPictureFile(CLI::App& app, Options& options, const std::string& descript
 void addRender(CLI::App& app, Options& options) {
     CLI::App& command = *app.add_subcommand("render", "Render a picture of a scene");
     command.callback([&options] { options.command = Command::render; });
-    command.add_option("scene", options.inputs, "a .gltf, .glb, .obj, .ply or .stl file")
-        ->type_name("SCENE")->required()->expected(1);
+    addInput(command, options, "scene", "a .gltf, .glb, .obj, .ply or .stl file")->required();
     addPictureFile(command, options, "the picture: .png, .hdr, .exr or .pfm", true);
     addPicture(command, options, 512);
     addStructure(command, options);
@@ -138,8 +143,7 @@ void addRender(CLI::App& app, Options& options) {
 void addTrace(CLI::App& app, Options& options) {
     CLI::App& command = *app.add_subcommand("trace", "Trace a batch of rays");
     command.callback([&options] { options.command = Command::trace; });
-    command.add_option("scene", options.inputs, "a .gltf, .glb, .obj, .ply or .stl file")
-        ->type_name("SCENE")->required()->expected(1);
+    addInput(command, options, "scene", "a .gltf, .glb, .obj, .ply or .stl file")->required();
     command.add_option("--rays", options.rays, "NumPy file of float32 [N,8]: ox oy oz tmin dx dy dz tmax")
         ->type_name("FILE")->required();
     command.add_option("--hits", options.hits,
@@ -160,9 +164,8 @@ void addTrace(CLI::App& app, Options& options) {
 void addCompare(CLI::App& app, Options& options) {
     CLI::App& command = *app.add_subcommand("compare", "Compare the device with the reference, or two pictures");
     command.callback([&options] { options.command = Command::compare; });
-    const auto addInput = [&options](const std::string& text) { options.inputs.emplace_back(text); };
-    command.add_option_function<std::string>("first", addInput, "a scene, or a picture")->type_name("FILE")->required();
-    command.add_option_function<std::string>("second", addInput, "the picture to compare a picture with")->type_name("FILE");
+    addInput(command, options, "first", "a scene, or a picture")->required();
+    addInput(command, options, "second", "the picture to compare a picture with");
     addPictureFile(command, options, "the difference picture: .png, .hdr, .exr or .pfm", false);
     addPicture(command, options, 256);
     addStructure(command, options);
