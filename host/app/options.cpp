@@ -107,7 +107,7 @@ void addPicture(CLI::App& app, Options& options, uint32_t side) {
         ->type_name("WxH");
     app.add_option("--camera", options.camera, "a camera of the file, by name or index (default: the first)")
         ->type_name("CAMERA");
-    addWholeNumber(app, "--max-depth", options.maxDepth, 0, 1000,
+    addWholeNumber(app, "--max-depth", options.maxDepth, 0, 64,
                    "levels of reflection and refraction, NIVELL_MAX (default: 8)");
     app.add_option_function<std::string>("--min-contribution", parseContribution,
                                          "what contributes less is not traced, MIN_CONTRIB (default: 1/512)")
