@@ -1,0 +1,84 @@
+/// A glTF file as its parts read it: the model as tinygltf understands it, and the bytes behind it as we read them.
+///
+/// Internal to the glTF importer (scene/gltf.cpp). The bytes (GLB chunks, data URIs, files) never pass through tinygltf, which
+/// neither bounds what it reads nor keeps to the scene's folder; and the JSON is checked before tinygltf sees it, since
+/// it crashes on deep nesting, wraps large integers, and skips in silence what has the wrong type.
+#pragma once
+
+#include "base/error.hpp"
+#include "scene/scene.hpp"
+
+#include <nlohmann/json.hpp>
+#include <tiny_gltf.h>
+
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string_view>
+
+namespace raig::gltf {
+
+using Bytes = std::span<const std::byte>;
+
+/// Where an image's encoded bytes are: in a buffer view, or behind a URI.
+struct ImageSource {
+    int bufferView = -1;
+    std::string uri;
+};
+
+struct Document {
+    std::string file;               ///< the path given, for messages
+    std::filesystem::path folder;   ///< what URIs are relative to, and may not leave
+    tinygltf::Model model;          ///< without buffers, images, animations, skins, morph targets and extras
+    std::vector<std::byte> bytes;   ///< the file
+    std::vector<std::vector<std::byte>> owned;  ///< what URIs held
+    std::vector<Bytes> buffers;     ///< each of its declared length
+    std::vector<ImageSource> images;
+    std::vector<std::string> ignoredExtensions;  ///< used, not required, and not supported
+    size_t animationCount = 0;
+    size_t skinCount = 0;
+    size_t morphedCount = 0;        ///< primitives with morph targets
+};
+
+/// What was left out or assumed, each once with how often.
+class Remarks {
+public:
+    void add(const std::string& text) { ++counts_[text]; }
+    std::vector<std::string> lines() const;
+
+private:
+    std::map<std::string, size_t> counts_;
+};
+
+/// Names taken from a file, made fit for a one-line message: no control characters, at most 80 bytes.
+std::string printable(std::string_view text);
+
+/// inputError at a JSON pointer of the document: "scene.gltf#/nodes/3: ...".
+template <class... Args>
+[[nodiscard]] Error errorAt(const Document& document, const std::string& pointer, fmt::format_string<Args...> format,
+                            Args&&... args) {
+    return inputError(document.file + "#" + pointer, format, std::forward<Args>(args)...);
+}
+
+/// Parses glTF's JSON (gltf_json.cpp).
+///
+/// Ensures   nesting of at most 200; members that name or count things are non-negative integers that tinygltf's int or
+///           size_t hold; numbers, booleans, strings, arrays and objects are where the specification wants them.
+///           `extras`, unsupported extensions and morph targets are taken out; primitives with targets are counted.
+/// Throws    inputError with the JSON pointer.
+nlohmann::json parseJson(std::string_view text, const std::string& file, size_t& morphedCount);
+
+/// True for the extensions that the importer understands.
+bool isSupportedExtension(std::string_view name);
+
+/// The bytes of a data URI or of a file below `folder` (gltf_uri.cpp). Throws inputError naming `place`.
+std::vector<std::byte> readUri(const std::string& uri, const std::filesystem::path& folder, const std::string& place);
+
+/// Reads and parses a .gltf or .glb (told apart by content) and reads its buffers (gltf_document.cpp).
+Document readDocument(const std::filesystem::path& path);
+
+/// Checks every index, range and count of the model against the document (gltf_check.cpp). The other parts rely on it:
+/// after it no index is out of range and no accessor reaches outside its buffer view.
+void checkModel(const Document& document);
+
+}  // namespace raig::gltf

@@ -1,0 +1,102 @@
+#include "scene/gltf_parts.hpp"
+
+namespace raig::gltf {
+
+namespace {
+
+/// An instance takes some 150 bytes: 2.5 GB at this many.
+constexpr size_t mostInstances = size_t{1} << 24;
+
+bool isFinite(const dmat4& m) {
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row)
+            if (!std::isfinite(m[column][row])) return false;
+    return true;
+}
+
+std::vector<int> parentsOf(const tinygltf::Model& model) {
+    std::vector<int> parents(model.nodes.size(), -1);
+    for (size_t i = 0; i < model.nodes.size(); ++i)
+        for (const int child : model.nodes[i].children) parents[child] = static_cast<int>(i);
+    return parents;
+}
+
+/// Each node has at most one parent, so what no walk from a parentless node reaches is a cycle.
+void checkForest(const Document& document, const std::vector<int>& parents) {
+    std::vector<int> open;
+    std::vector<bool> reached(parents.size(), false);
+    for (size_t i = 0; i < parents.size(); ++i)
+        if (parents[i] < 0) open.push_back(static_cast<int>(i));
+    while (!open.empty()) {
+        const int node = open.back();
+        open.pop_back();
+        reached[node] = true;
+        const std::vector<int>& children = document.model.nodes[node].children;
+        open.insert(open.end(), children.begin(), children.end());
+    }
+    for (size_t i = 0; i < reached.size(); ++i)
+        if (!reached[i]) throw errorAt(document, fmt::format("/nodes/{}", i), "is its own ancestor: the nodes form a cycle");
+}
+
+/// The default scene's roots; scene 0's if none is the default; every root if there is no scene.
+std::vector<int> rootsOf(const Document& document, const std::vector<int>& parents, Remarks& remarks) {
+    const tinygltf::Model& model = document.model;
+    if (model.scenes.empty()) {
+        std::vector<int> roots;
+        for (size_t i = 0; i < parents.size(); ++i)
+            if (parents[i] < 0) roots.push_back(static_cast<int>(i));
+        return roots;
+    }
+    const size_t scene = model.defaultScene >= 0 ? static_cast<size_t>(model.defaultScene) : 0;
+    if (model.scenes.size() > 1) remarks.add(fmt::format("of {} scenes, scene {} is used", model.scenes.size(), scene));
+    std::vector<bool> seen(model.nodes.size(), false);
+    for (const int root : model.scenes[scene].nodes) {
+        if (seen[root]) throw errorAt(document, fmt::format("/scenes/{}/nodes", scene), "names node {} twice", root);
+        seen[root] = true;
+    }
+    return model.scenes[scene].nodes;
+}
+
+void addNode(const Document& document, int index, const dmat4& toWorld, Scene& scene, Remarks& remarks) {
+    const tinygltf::Node& node = document.model.nodes[index];
+    const std::string pointer = fmt::format("/nodes/{}", index);
+    if (node.mesh >= 0) {
+        for (const dmat4& copy : copiesOf(document, index)) {
+            const dmat4 placed = toWorld * copy;
+            if (!isFinite(placed)) throw errorAt(document, pointer, "its transform to the world is not finite");
+            scene.instances.push_back({static_cast<uint32_t>(node.mesh), placed});
+        }
+        if (scene.instances.size() > mostInstances)
+            throw limitError("{}#{}: the scene has more than {} instances", document.file, pointer, mostInstances);
+    }
+    if (node.camera >= 0)
+        if (const auto camera = cameraAt(document, node.camera, toWorld, remarks)) scene.cameras.push_back(*camera);
+    if (const int light = lightOf(document, index); light >= 0)
+        if (const auto placed = lightAt(document, light, toWorld, remarks)) scene.lights.push_back(*placed);
+}
+
+}  // namespace
+
+void addNodes(const Document& document, Scene& scene, Remarks& remarks) {
+    struct Open {
+        int node;
+        dmat4 parentToWorld;
+    };
+    const std::vector<int> parents = parentsOf(document.model);
+    checkForest(document, parents);
+    std::vector<Open> open;
+    const std::vector<int> roots = rootsOf(document, parents, remarks);
+    for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({*root, dmat4(1.0)});
+    while (!open.empty()) {
+        const Open at = open.back();
+        open.pop_back();
+        const dmat4 toWorld = at.parentToWorld * localTransform(document, at.node);
+        if (!isFinite(toWorld))
+            throw errorAt(document, fmt::format("/nodes/{}", at.node), "its transform to the world is not finite");
+        addNode(document, at.node, toWorld, scene, remarks);
+        const std::vector<int>& children = document.model.nodes[at.node].children;
+        for (auto child = children.rbegin(); child != children.rend(); ++child) open.push_back({*child, toWorld});
+    }
+}
+
+}  // namespace raig::gltf

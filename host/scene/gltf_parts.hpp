@@ -1,0 +1,52 @@
+/// The steps from a checked document to a scene. Internal to the glTF importer (scene/gltf.cpp).
+///
+/// All require that checkModel(document) has passed, and throw inputError with a JSON pointer.
+#pragma once
+
+#include "scene/gltf_document.hpp"
+
+namespace raig::gltf {
+
+/// How a material's texture coordinates come from a mesh's: which set, and KHR_texture_transform's matrix rows.
+struct UvSource {
+    int set = 0;
+    vec3 u{1.0f, 0.0f, 0.0f};  ///< u' = u.x u + u.y v + u.z
+    vec3 v{0.0f, 1.0f, 0.0f};
+    bool isUsed = false;       ///< the material has a texture
+};
+
+/// Appends every material, and the images that base colours use, each once. Textures of other factors are replaced by their
+/// mean. Returns one UvSource a material.
+std::vector<UvSource> addMaterials(const Document& document, Scene& scene, Remarks& remarks);
+
+/// Appends every mesh, in the file's order. Primitives of one mesh are concatenated; those that share their attributes share
+/// their vertices. Throws limitError if more than 2^28 vertices or indices would have to be written out.
+void addMeshes(const Document& document, const std::vector<UvSource>& uvSources, Scene& scene, Remarks& remarks);
+
+/// Appends an instance for each mesh, a camera for each camera and a light for each light among the default scene's nodes,
+/// in depth-first order. Transforms are multiplied in double precision. Throws if the node graph has a cycle.
+void addNodes(const Document& document, Scene& scene, Remarks& remarks);
+
+/// A node's own transform, affine. Throws if it is not.
+dmat4 localTransform(const Document& document, size_t node);
+
+/// EXT_mesh_gpu_instancing's transforms, relative to the node; one identity without the extension.
+std::vector<dmat4> copiesOf(const Document& document, size_t node);
+
+/// The camera or light that stands at `toWorld`, or nothing (and a remark) if it has no direction there.
+std::optional<Camera> cameraAt(const Document& document, int camera, const dmat4& toWorld, Remarks& remarks);
+std::optional<Light> lightAt(const Document& document, int light, const dmat4& toWorld, Remarks& remarks);
+
+/// The light that KHR_lights_punctual puts at a node, or -1. Throws if there is no such light.
+int lightOf(const Document& document, size_t node);
+
+/// A member of an extension's object, as a number; `otherwise` if it is absent.
+double numberIn(const tinygltf::Value& object, const char* name, double otherwise);
+
+/// A material's extension of that name, or null.
+const tinygltf::Value* findExtension(const tinygltf::ExtensionMap& extensions, const char* name);
+
+/// Three numbers in an extension's object, 1 each if absent. Throws if there are more or fewer.
+dvec3 colorIn(const Document& document, const tinygltf::Value& object, const char* name, const std::string& pointer);
+
+}  // namespace raig::gltf
