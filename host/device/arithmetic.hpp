@@ -16,13 +16,13 @@ struct Arithmetic {
     bool mulExact = false;
     bool divExact = false;
     bool sqrtExact = false;
-    bool conversionsExact = false;  ///< int and uint to float, float to int (truncating)
-    std::string denormals;          ///< "kept", "flushed" (to a zero, of operands, results or both), or "mixed"
-    std::string contraction;        ///< a * b + c: "none", "fused", or "mixed"
-    std::string preciseContraction; ///< the same where the kernel says `precise`
-    std::string fma;                ///< "fused", "unfused" (a product and a sum), or "other"
-    std::string minMaxNan;          ///< of min and max with one NaN: "number", "nan", "first", "second", or "mixed"
-    bool divisionByZero = false;    ///< 1/+0 = +inf and 1/-0 = -inf
+    bool conversionsExact = false;   ///< int and uint to float, float to int (truncating)
+    std::string denormals;           ///< "kept", "flushed" (to a zero, of operands, results or both), or "mixed"
+    std::string contraction;         ///< a * b + c: "none", "fused", or "mixed"
+    std::string preciseContraction;  ///< the same where the kernel says `precise`
+    std::string fma;                 ///< "fused", "unfused" (a product and a sum), or "other"
+    std::string minMaxNan;           ///< of min and max with one NaN: "number", "nan", "first", "second", or "mixed"
+    bool divisionByZero = false;     ///< 1/+0 = +inf and 1/-0 = -inf
 
     /// + - * / sqrt exact, and `precise` keeps a product and a sum apart: hits equal the CPU's, bit for bit.
     bool ieee() const;

@@ -52,8 +52,8 @@ private:
 /// A read-only array of 16-byte elements (uvec4 in kernels), in up to `maxChunks` bindings.
 ///
 /// Element i is element (i & ((1 << chunkShift()) - 1)) of chunk (i >> chunkShift()). A kernel declares the binding as an
-/// array of descriptors; those beyond chunkCount() are bound to the last chunk. One that fits a single binding has one chunk,
-/// and a chunkShift() of 31.
+/// array of descriptors; those beyond chunkCount() are bound to the last chunk. One that fits a single binding has one
+/// chunk, and a chunkShift() of 31.
 class BigArray {
 public:
     static constexpr uint32_t maxChunks = 4;

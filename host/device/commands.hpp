@@ -37,7 +37,7 @@ public:
     void dispatch(const Kernel& kernel, Groups groups, std::span<const std::byte> push);
     void dispatch(const Kernel& kernel, Groups groups) { dispatch(kernel, groups, std::span<const std::byte>()); }
     template <class Push>
-        requires std::is_trivially_copyable_v<Push> && std::is_class_v<Push>
+    requires std::is_trivially_copyable_v<Push> && std::is_class_v<Push>
     void dispatch(const Kernel& kernel, Groups groups, const Push& push) {
         dispatch(kernel, groups, std::as_bytes(std::span(&push, 1)));
     }

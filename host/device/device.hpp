@@ -42,10 +42,10 @@ struct DeviceFeatures {
     bool scalarBlockLayout = false;
     bool timestamps = false;
     bool rayQuery = false;
-    bool graphics = false;  ///< a queue that draws
-    bool keepsDenormals = false;    ///< float controls: can be told to keep them (32 bit)
-    bool flushesDenormals = false;  ///< float controls: can be told to flush them (32 bit)
-    bool keepsNan = false;          ///< float controls: signed zero, infinity and NaN preserved (32 bit)
+    bool graphics = false;                        ///< a queue that draws
+    bool keepsDenormals = false;                  ///< float controls: can be told to keep them (32 bit)
+    bool flushesDenormals = false;                ///< float controls: can be told to flush them (32 bit)
+    bool keepsNan = false;                        ///< float controls: signed zero, infinity and NaN preserved (32 bit)
     std::vector<std::string> subgroupOperations;  ///< in compute: "basic", "vote", "ballot", ...
 };
 
@@ -73,9 +73,11 @@ const std::vector<DeviceInfo>& listDevices();
 std::optional<DeviceInfo> chooseDevice(std::string_view wanted);
 
 struct DeviceOptions {
-    std::optional<bool> loadsTexel;      ///< instead of DeviceInfo::prefersTexel, where the device can
-    uint64_t largestBindingElements = 0; ///< pretends one binding of a BigArray holds no more than these (tests); 0: as it is
-    bool diskCache = true;               ///< keep compiled pipelines in the user's cache folder
+    std::optional<bool> loadsTexel;  ///< instead of DeviceInfo::prefersTexel, where the device can
+    uint64_t largestBindingElements =
+        0;                         ///< pretends one binding of a BigArray holds no more than these (tests); 0: as it is
+    bool stagesTransfers = false;  ///< copies through a staging buffer even where memory could be mapped (tests)
+    bool diskCache = true;         ///< keep compiled pipelines in the user's cache folder
 };
 
 /// An open device with one compute queue. It must outlive what was made on it. Not for use by two threads at once.

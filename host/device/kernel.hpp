@@ -11,8 +11,8 @@ namespace raig {
 struct KernelBinding {
     enum class Kind { storage, texel };
     Kind kind = Kind::storage;
-    uint32_t count = 1;   ///< of the array of descriptors
-    bool used = false;    ///< by the code: only these must be bound
+    uint32_t count = 1;  ///< of the array of descriptors
+    bool used = false;   ///< by the code: only these must be bound
     std::string name;
 };
 

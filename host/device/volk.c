@@ -1,0 +1,2 @@
+// volk, which loads Vulkan's entry points at run time, as Debian packages it: in source.
+#include <volk.c>
