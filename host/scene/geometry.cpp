@@ -11,22 +11,6 @@ namespace raig {
 
 namespace {
 
-bool isInRange(const vec3& p) {
-    // Written so that a NaN is out of range.
-    return std::abs(p.x) <= largestCoordinate && std::abs(p.y) <= largestCoordinate && std::abs(p.z) <= largestCoordinate;
-}
-
-/// True for three corners on a line. The cross product in double of float differences errs by a few parts in 2^53.
-bool isCollinear(const vec3& a, const vec3& b, const vec3& c) {
-    const dvec3 ab = dvec3(b) - dvec3(a);
-    const dvec3 ac = dvec3(c) - dvec3(a);
-    const dvec3 normal = glm::cross(ab, ac);
-    const double scale = std::max({std::abs(ab.x), std::abs(ab.y), std::abs(ab.z)}) *
-                         std::max({std::abs(ac.x), std::abs(ac.y), std::abs(ac.z)});
-    const double largest = std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)});
-    return largest <= scale * 0x1p-51;
-}
-
 /// Where each instance's vertices begin, and the total at the end.
 std::vector<size_t> firstVertices(const Scene& scene) {
     std::vector<size_t> first{0};
@@ -43,7 +27,7 @@ void transformVertices(const Mesh& mesh, const dmat4& toWorld, size_t first, Geo
     const double side = glm::dot(linear[0], cofactors[0]) < 0.0 ? -1.0 : 1.0;
     parallelFor(mesh.positions.size(), 16384, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
-            geometry.positions[first + i] = vec3(dvec3(toWorld * dvec4(mesh.positions[i], 1.0)));
+            geometry.positions[first + i] = placePoint(toWorld, mesh.positions[i]);
             if (!mesh.normals.empty()) {
                 const dvec3 n = side * (cofactors * dvec3(mesh.normals[i]));
                 const double length = glm::length(n);
@@ -95,10 +79,6 @@ void measure(Geometry& geometry) {
 }
 
 }  // namespace
-
-bool isUsable(const vec3& a, const vec3& b, const vec3& c) {
-    return isInRange(a) && isInRange(b) && isInRange(c) && !isCollinear(a, b, c);
-}
 
 Geometry::Place Geometry::place(uint32_t index) const {
     RAIG_CHECK_OP(index, <, triangles.size());

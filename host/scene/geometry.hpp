@@ -1,17 +1,16 @@
 /// The scene's triangles in the world, each instance written out: what rays meet.
 #pragma once
 
+#include "base/triangle.hpp"
 #include "scene/scene.hpp"
 
 #include <span>
 
 namespace raig {
 
-/// The largest magnitude of a coordinate that rays can meet: beyond it a squared distance overflows a float.
-inline constexpr float largestCoordinate = 1.844e18f;
-
 /// World-space triangles of all instances, in order of instance, then of the mesh's triangles: the index here is the
 /// global id by which ties are settled. World positions are rounded once, from a product in double precision.
+/// An instance that mirrors keeps its fronts: corners 1 and 2 of its triangles, and so u and v, change places there.
 /// Vertices are stored once an instance. `normals`, `uvs` and `colors` are empty if no mesh has them.
 struct Geometry {
     std::vector<vec3> positions;
@@ -32,9 +31,8 @@ struct Geometry {
     Place place(uint32_t index) const;
 };
 
-/// True if a ray can hit the triangle: corners finite, within largestCoordinate, and not collinear (in exact arithmetic
-/// on the float corners, up to rounding in double).
-bool isUsable(const vec3& a, const vec3& b, const vec3& c);
+/// Where an instance puts a vertex: the product in double precision, rounded once.
+inline vec3 placePoint(const dmat4& toWorld, const vec3& point) { return vec3(dvec3(toWorld * dvec4(point, 1.0))); }
 
 /// Writes out every instance. Cost O(triangles). Throws limitError beyond 2^31 - 2 triangles.
 Geometry flatten(const Scene& scene);

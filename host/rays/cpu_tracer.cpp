@@ -1,0 +1,65 @@
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+#include "rays/cpu_walk.hpp"
+
+#include <chrono>
+#include <mutex>
+
+namespace raig {
+
+namespace cpu_walks {
+#define RAIG_STRUCTURE(name) \
+    void name(const Structure& structure, WalkOptions options, std::span<const Ray> rays, std::span<Hit> hits, \
+              WalkCounters& counters);
+#include "structures/registry.def"
+#undef RAIG_STRUCTURE
+}  // namespace cpu_walks
+
+CpuWalk cpuWalk(std::string_view structure) {
+#define RAIG_STRUCTURE(name) \
+    if (structure == #name) return cpu_walks::name;
+#include "structures/registry.def"
+#undef RAIG_STRUCTURE
+    RAIG_CHECK(false && "a structure of registry.def");
+    return nullptr;
+}
+
+namespace {
+
+class CpuTracer : public Tracer {
+public:
+    explicit CpuTracer(const Structure& structure) : structure_(structure), walk_(cpuWalk(structure.name)) {}
+
+    TraceReport trace(std::span<const Ray> rays, std::span<Hit> hits, Query query) override {
+        return run(rays, hits, {.anyHit = query == Query::any, .skipSeeThrough = false});
+    }
+    TraceReport traceShadows(std::span<const Ray> rays, std::span<Hit> hits) override {
+        return run(rays, hits, {.anyHit = true, .skipSeeThrough = true});
+    }
+
+private:
+    TraceReport run(std::span<const Ray> rays, std::span<Hit> hits, WalkOptions options) {
+        RAIG_CHECK_OP(rays.size(), ==, hits.size());
+        const auto start = std::chrono::steady_clock::now();
+        TraceReport report;
+        std::mutex mutex;
+        parallelFor(rays.size(), 256, [&](size_t begin, size_t end) {
+            WalkCounters counters;
+            walk_(structure_, options, rays.subspan(begin, end - begin), hits.subspan(begin, end - begin), counters);
+            const std::lock_guard lock(mutex);
+            report.counters.nodeFetches += counters.nodeFetches;
+            report.counters.triangleTests += counters.triangleTests;
+        });
+        report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        return report;
+    }
+
+    const Structure& structure_;
+    CpuWalk walk_;
+};
+
+}  // namespace
+
+std::unique_ptr<Tracer> makeCpuTracer(const Structure& structure) { return std::make_unique<CpuTracer>(structure); }
+
+}  // namespace raig

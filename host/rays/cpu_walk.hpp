@@ -1,0 +1,21 @@
+/// The walks of shaders/structures/, compiled as C++: the very statements that a device runs, over the very bytes.
+#pragma once
+
+#include "rays/tracer.hpp"
+
+namespace raig {
+
+struct WalkOptions {
+    bool anyHit = false;
+    bool skipSeeThrough = false;
+};
+
+/// Walks `structure` with each ray, on the calling thread; adds to `counters`. One such function a structure, made from
+/// cpu_walk.cpp.in; the loops have no bound here other than their own end.
+using CpuWalk = void (*)(const Structure& structure, WalkOptions options, std::span<const Ray> rays, std::span<Hit> hits,
+                         WalkCounters& counters);
+
+/// The walk of the structure with this name, which is a line of registry.def.
+CpuWalk cpuWalk(std::string_view structure);
+
+}  // namespace raig

@@ -1,0 +1,56 @@
+/// Batches of rays to hits, over a structure that is resident on a device or in the CPU's memory.
+#pragma once
+
+#include "device/device.hpp"
+#include "rays/types.hpp"
+#include "structures/structure.hpp"
+
+#include <memory>
+#include <span>
+
+namespace raig {
+
+class Buffer;
+class Commands;
+
+/// What a walk did, summed over rays; counted only where asked for, as counting costs time.
+struct WalkCounters {
+    uint64_t nodeFetches = 0;
+    uint64_t triangleTests = 0;
+};
+
+struct TraceReport {
+    double seconds = 0.0;        ///< wall time, transfers excluded
+    double deviceSeconds = 0.0;  ///< by the device's own clock; 0 where it has none
+    double uploadSeconds = 0.0;
+    WalkCounters counters;
+};
+
+/// Traces rays against one structure. Not for use by two threads at once.
+class Tracer {
+public:
+    virtual ~Tracer() = default;
+
+    /// hits[i] = what rays[i] meets. closest: the nearest, ties to the lowest id. any: the first the walk meets, which is a
+    /// hit exactly where closest has one. Requires hits.size() == rays.size().
+    virtual TraceReport trace(std::span<const Ray> rays, std::span<Hit> hits, Query query) = 0;
+
+    /// As trace, any: but triangles marked as letting light through (Structure::markSeeThrough) are no hits.
+    virtual TraceReport traceShadows(std::span<const Ray> rays, std::span<Hit> hits) = 0;
+};
+
+/// The walk on the CPU, over all cores; always counts. `structure` must outlive it.
+std::unique_ptr<Tracer> makeCpuTracer(const Structure& structure);
+
+/// The walk on a Vulkan device: `structure` is copied there. Throws limitError if it does not fit.
+class DeviceTracer : public Tracer {
+public:
+    /// Records the trace of `count` rays of a device buffer (Ray, tightly packed) into another (Hit), and runs it to the
+    /// end: rays whose walk is longer than one dispatch may be are taken up again until all are done.
+    /// `shadows`: as traceShadows. The buffers must have storage usage; `count` > 0.
+    virtual double traceBuffers(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows) = 0;
+};
+
+std::unique_ptr<DeviceTracer> makeDeviceTracer(Device& device, const Structure& structure, bool counting = false);
+
+}  // namespace raig

@@ -1,0 +1,56 @@
+#include "structures/brute.hpp"
+
+#include "base/error.hpp"
+
+#include <chrono>
+
+namespace raig::brute {
+
+Structure build(std::span<const Triangle> triangles, const BuildParams& params) {
+    if (params.walk != "auto") throw usageError("--walk {}: brute has only one walk; leave the option out", params.walk);
+    if (!params.build.empty()) throw usageError("--build {}: brute has only one builder; leave the option out", params.build);
+    const auto start = std::chrono::steady_clock::now();
+    Structure structure;
+    structure.name = "brute";
+    structure.walk = "every triangle";
+    structure.header = emptyHeader();
+    Box bounds;
+    size_t count = 0;
+    structure.triangles.resize(triangles.size() * shared::TRIANGLE_STRIDE);
+    for (size_t i = 0; i < triangles.size(); ++i) {
+        if (!triangles[i].usable()) continue;
+        bounds.grow(triangles[i].box());
+        writeReference(structure.triangles, count++, triangles[i], static_cast<uint32_t>(i));
+    }
+    structure.triangles.resize(count * shared::TRIANGLE_STRIDE);
+    if (count > 0) {
+        structure.header.lo = bounds.lo;
+        structure.header.hi = bounds.hi;
+    }
+
+    StructureStatistics& statistics = structure.statistics;
+    statistics.references = count;
+    structure.header.triangleCount = static_cast<uint32_t>(count);
+    statistics.bytes = structure.triangles.size() * sizeof(uvec4);
+    statistics.sahCost = static_cast<double>(statistics.references);
+    statistics.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return structure;
+}
+
+std::optional<std::string> findFault(const Structure& structure, std::span<const Triangle> triangles) {
+    uint64_t next = 0;
+    for (uint32_t id = 0; id < triangles.size(); ++id) {
+        if (!triangles[id].usable()) continue;
+        if (next >= structure.header.triangleCount) return fmt::format("triangle {} is not listed", id);
+        if (referencedId(structure, next) != id)
+            return fmt::format("reference {} is triangle {} and should be {}", next, referencedId(structure, next), id);
+        const Triangle listed = referencedTriangle(structure, next);
+        if (listed.a != triangles[id].a || listed.b != triangles[id].b || listed.c != triangles[id].c)
+            return fmt::format("triangle {} is listed with other corners", id);
+        ++next;
+    }
+    if (next != structure.header.triangleCount) return "more references than usable triangles";
+    return std::nullopt;
+}
+
+}  // namespace raig::brute

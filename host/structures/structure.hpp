@@ -1,0 +1,99 @@
+/// What all acceleration structures have in common: flat arrays, ready to be copied to a device and walked there.
+#pragma once
+
+#include "base/box.hpp"
+#include "base/triangle.hpp"
+#include "base/vectors.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace raig {
+
+namespace shared {
+using namespace glm;
+using uint = uint32_t;
+#include "shared/language.glsl"
+#include "shared/structure.glsl"
+}  // namespace shared
+
+using shared::StructureHeader;
+static_assert(sizeof(StructureHeader) == 64, "as in the device's buffer");
+
+/// A primitive to build over. Its id is its index in the span. Every builder leaves out those that are not usable().
+struct Triangle {
+    vec3 a, b, c;
+
+    Box box() const {
+        Box box;
+        box.grow(a);
+        box.grow(b);
+        box.grow(c);
+        return box;
+    }
+    bool usable() const { return isUsable(a, b, c); }
+};
+
+/// Options of all builders, each with the builders that read it. Names are as on the command line.
+struct BuildParams {
+    std::string build;       ///< bvh: "binned". Empty: the structure's default
+    std::string walk = "auto";  ///< bvh: "skip", "octants", "octants16", or "auto"
+    uint32_t maxLeaf = 0;    ///< most triangles in a leaf, 1 to 15; 0: the structure's default
+};
+
+struct StructureStatistics {
+    uint64_t nodes = 0;       ///< of one copy of the tree
+    uint64_t leaves = 0;
+    uint32_t depth = 0;
+    uint64_t references = 0;  ///< triangles in leaves, repeated ones counted each time
+    uint64_t bytes = 0;       ///< of nodes and triangles, all copies
+    double sahCost = 0.0;     ///< expected cost of a random ray: 1 a node, 1 a triangle, by surface area
+    double seconds = 0.0;     ///< to build
+};
+
+/// A built structure: a value. The meaning of `nodes` belongs to the structure's own pair of host/structures/NAME.cpp and
+/// shaders/structures/NAME.glsl.
+struct Structure {
+    std::string name;            ///< its line in registry.def
+    std::string walk;            ///< the walk it is laid out for, in words
+    StructureHeader header{};
+    std::vector<uvec4> nodes;
+    std::vector<uvec4> triangles;  ///< three a reference (shaders/shared/structure.glsl)
+    StructureStatistics statistics;
+
+    /// Marks the references to triangles i with seeThrough[i] != 0 as no obstacle to shadow rays.
+    /// Requires a flag for each triangle that the structure was built over.
+    void markSeeThrough(std::span<const uint8_t> seeThrough);
+};
+
+/// One line of registry.def: how a structure is built and checked.
+struct StructureType {
+    std::string_view name;
+    /// Pure: the same triangles and parameters give the same bytes, on any number of threads. Empty spans are fine.
+    /// Throws usageError for a parameter it does not offer.
+    Structure (*build)(std::span<const Triangle>, const BuildParams&);
+    /// Names the first broken invariant, or nothing if all hold.
+    std::optional<std::string> (*findFault)(const Structure&, std::span<const Triangle>);
+};
+
+/// All structures, in the order of registry.def.
+std::span<const StructureType> structureTypes();
+
+/// The structure of that name. Throws usageError, which lists those there are.
+const StructureType& structureType(std::string_view name);
+
+/// Writes reference `index` to triangle `id` into the array that walks read.
+void writeReference(std::vector<uvec4>& references, size_t index, const Triangle& triangle, uint32_t id);
+
+/// The triangle and id of reference `index`.
+Triangle referencedTriangle(const Structure& structure, uint64_t index);
+uint32_t referencedId(const Structure& structure, uint64_t index);
+
+/// The header of a structure with nothing in it.
+StructureHeader emptyHeader();
+
+}  // namespace raig

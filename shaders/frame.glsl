@@ -1,0 +1,11 @@
+// All of the frame's code, for kernels and for the CPU. Whoever includes it declares the buffers before.
+#include "sampling.glsl"
+#include "spawn.glsl"
+#include "camera.glsl"
+#include "texture.glsl"
+#include "surface.glsl"
+#include "fresnel.glsl"
+#include "lights.glsl"
+#include "path.glsl"
+#include "shade.glsl"
+#include "gather.glsl"

@@ -1,0 +1,190 @@
+// One ray against one box or triangle, in single precision: what every structure's walk is made of.
+//
+// Everything that decides a hit is `precise`, so that it is the same sequence of roundings on every device and on the CPU.
+// u = 2^-24 below is half an ULP of 1.
+
+// Magnitudes up to which squared distances stay finite.
+CONSTANT float LARGEST_COORDINATE = 1.844e18f;
+CONSTANT float SMALLEST_NORMAL = 1.17549435e-38f;
+CONSTANT float LARGEST_FLOAT = 3.4028234e38f;
+
+// A ray made ready for walking. The direction is scaled by a power of two so that its largest component has magnitude
+// [1, 2) (below 4 at the top of the range); distances inside a walk are in that scale, exactly.
+struct WalkRay {
+    vec3 origin;
+    float tMin;
+    vec3 inverse;   // 1 / direction, where components below 2^-27 of the largest count as that (never infinite)
+    float tMax;
+    vec3 reach;     // |inverse| times the slack of box tests against triangles and float planes
+    float scale;    // distance of the ray as given = scale * distance inside
+    vec2 shear;     // direction.(x,y) / direction.z, in the axes below
+    float inverseZ;
+    uint axisZ;     // the axis of the largest direction component; x and y follow it cyclically
+    float unscale;
+    float slackUnit;// M * u: M the largest distance along an axis from the origin to the scene's far side
+    bool valid;
+};
+
+bool isWithin(vec3 v, float limit) {
+    // False for NaN.
+    return abs(v.x) <= limit && abs(v.y) <= limit && abs(v.z) <= limit;
+}
+
+vec3 turned(vec3 v, uint axisZ) {
+    return axisZ == 2u ? v : (axisZ == 0u ? vec3(v.y, v.z, v.x) : vec3(v.z, v.x, v.y));
+}
+
+// Components too small to move the ray by u M / 8 across the scene are replaced by one that just does not: the inverse
+// stays finite, no 0 * inf arises, and what it changes is far below the slack. Keeps the sign, that of a zero too.
+float steep(float component, float largest) {
+    float least = largest * 7.450580596923828e-9f;  // 2^-27
+    float sign = (floatBitsToUint(component) >> 31) != 0u ? -1.0f : 1.0f;
+    return abs(component) < least ? sign * least : component;
+}
+
+// Makes a ray ready. `lo` and `hi` bound the scene.
+//
+// The slack: the shear of a triangle's corners and the slab arithmetic together misplace the ray against the triangle by
+// at most 11 u M along each axis (three roundings a corner of magnitudes up to 2 M, three of the slope, three of a slab).
+// Boxes are therefore widened by 16 u M: a ray that meets a triangle, as rounded, meets its box, as rounded.
+WalkRay prepareRay(Ray ray, vec3 lo, vec3 hi) {
+    WalkRay r;
+    vec3 size = vec3(abs(ray.direction.x), abs(ray.direction.y), abs(ray.direction.z));
+    bool zLargest = size.z >= size.x && size.z >= size.y;
+    r.axisZ = zLargest ? 2u : (size.x >= size.y ? 0u : 1u);
+    float largest = zLargest ? size.z : (size.x >= size.y ? size.x : size.y);
+    r.valid = isWithin(ray.origin, LARGEST_COORDINATE) && isWithin(ray.direction, LARGEST_FLOAT) &&
+              largest >= SMALLEST_NORMAL && ray.tMax >= 0.0f && ray.tMin <= ray.tMax;
+
+    uint exponent = r.valid ? floatBitsToUint(largest) >> 23 : 127u;
+    exponent = exponent > 253u ? 253u : exponent;
+    r.scale = uintBitsToFloat((254u - exponent) << 23);
+    r.unscale = uintBitsToFloat(exponent << 23);
+    precise vec3 direction = r.valid ? ray.direction * r.scale : vec3(1.0f);
+    largest = r.valid ? largest * r.scale : 1.0f;
+    r.origin = r.valid ? ray.origin : vec3(0.0f);
+    precise float tMin = ray.tMin > 0.0f ? ray.tMin * r.unscale : 0.0f;
+    precise float tMax = ray.tMax * r.unscale;
+    r.tMin = tMin;
+    r.tMax = tMax;
+
+    precise vec3 inverse = vec3(1.0f / steep(direction.x, largest), 1.0f / steep(direction.y, largest),
+                                1.0f / steep(direction.z, largest));
+    r.inverse = inverse;
+    precise vec3 toLo = lo - r.origin;
+    precise vec3 toHi = hi - r.origin;
+    float m = abs(toLo.x);
+    m = abs(toLo.y) > m ? abs(toLo.y) : m;
+    m = abs(toLo.z) > m ? abs(toLo.z) : m;
+    m = abs(toHi.x) > m ? abs(toHi.x) : m;
+    m = abs(toHi.y) > m ? abs(toHi.y) : m;
+    m = abs(toHi.z) > m ? abs(toHi.z) : m;
+    precise float slackUnit = m * 5.9604644775390625e-8f;  // u
+    r.slackUnit = slackUnit;
+    precise vec3 reach = vec3(abs(inverse.x), abs(inverse.y), abs(inverse.z)) * (slackUnit * 16.0f);
+    r.reach = reach;
+
+    vec3 d = turned(direction, r.axisZ);
+    precise vec2 shear = vec2(d.x / d.z, d.y / d.z);
+    precise float inverseZ = 1.0f / d.z;
+    r.shear = shear;
+    r.inverseZ = inverseZ;
+    return r;
+}
+
+// Which octant a prepared ray's direction lies in: bit a is set if it is negative along axis a (-0 is).
+uint octantOf(WalkRay ray) {
+    return (floatBitsToUint(ray.inverse.x) >> 31) | ((floatBitsToUint(ray.inverse.y) >> 31) << 1) |
+           ((floatBitsToUint(ray.inverse.z) >> 31) << 2);
+}
+
+// The larger and the smaller of two floats by their bits: right if at least one is not negative (else: one of the two), and
+// one instruction where float min and max are several.
+float maxOf(float a, float b) {
+    int x = floatBitsToInt(a);
+    int y = floatBitsToInt(b);
+    return intBitsToFloat(x > y ? x : y);
+}
+
+float minOf(float a, float b) {
+    int x = floatBitsToInt(a);
+    int y = floatBitsToInt(b);
+    return intBitsToFloat(x < y ? x : y);
+}
+
+float least(float a, float b, float c) {
+    float ab = a < b ? a : b;
+    return ab < c ? ab : c;
+}
+
+float greatest(float a, float b, float c) {
+    float ab = a > b ? a : b;
+    return ab > c ? ab : c;
+}
+
+// True if the ray meets the box between its near and its far planes (each already chosen by the direction's signs) at some
+// distance in [tMin, tMax]. Requires tMin >= 0. Monotonic: whatever meets a box meets every box around it.
+// Source: Williams et al. 2005, "An Efficient and Robust Ray-Box Intersection Algorithm"; the slack replaces Ize 2013.
+bool hitsPlanes(WalkRay ray, vec3 near, vec3 far, float tMax) {
+    precise vec3 enter = (near - ray.origin) * ray.inverse - ray.reach;
+    precise vec3 leave = (far - ray.origin) * ray.inverse + ray.reach;
+    float first = maxOf(maxOf(enter.x, enter.y), maxOf(enter.z, ray.tMin));
+    float last = minOf(minOf(leave.x, leave.y), minOf(leave.z, tMax));
+    return first <= last;
+}
+
+// The ray against triangle (a, b, c), both sides. If it meets it at a distance t in [ray.tMin, best.t], nearer than best or
+// as near with a lower id, and the triangle counts as an obstacle, then best becomes that hit, and the result is true.
+//
+// Ensures   Watertight: the edge functions of two triangles that share an edge are exact negatives of each other, and a sign is
+//           right or the value is zero, which counts as inside. So a ray meets at least one of the triangles around any
+//           edge or vertex. A ray in the triangle's plane does not meet it.
+//           The distance lies where the ray is inside the triangle's own widened box: so a box around the triangle is never
+//           left out before the triangle is found, and a sliver cannot report a distance outside its extent.
+// Source    Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", without its fallback to double precision.
+bool intersectTriangle(WalkRay ray, vec3 a, vec3 b, vec3 c, uint id, bool obstacle, INOUT(Hit) best) {
+    precise vec3 toA = a - ray.origin;
+    precise vec3 toB = b - ray.origin;
+    precise vec3 toC = c - ray.origin;
+
+    precise vec3 tA = toA * ray.inverse;
+    precise vec3 tB = toB * ray.inverse;
+    precise vec3 tC = toC * ray.inverse;
+    precise vec3 enter = vec3(least(tA.x, tB.x, tC.x), least(tA.y, tB.y, tC.y), least(tA.z, tB.z, tC.z)) - ray.reach;
+    precise vec3 leave = vec3(greatest(tA.x, tB.x, tC.x), greatest(tA.y, tB.y, tC.y), greatest(tA.z, tB.z, tC.z)) + ray.reach;
+    float first = greatest(enter.x, enter.y, enter.z);
+    float last = least(leave.x, leave.y, leave.z);
+
+    vec3 pA = turned(toA, ray.axisZ);
+    vec3 pB = turned(toB, ray.axisZ);
+    vec3 pC = turned(toC, ray.axisZ);
+    precise float aX = pA.x - ray.shear.x * pA.z;
+    precise float aY = pA.y - ray.shear.y * pA.z;
+    precise float bX = pB.x - ray.shear.x * pB.z;
+    precise float bY = pB.y - ray.shear.y * pB.z;
+    precise float cX = pC.x - ray.shear.x * pC.z;
+    precise float cY = pC.y - ray.shear.y * pC.z;
+    precise float edgeA = cX * bY - cY * bX;
+    precise float edgeB = aX * cY - aY * cX;
+    precise float edgeC = bX * aY - bY * aX;
+    precise float area = edgeA + edgeB + edgeC;
+
+    bool positive = edgeA >= 0.0f && edgeB >= 0.0f && edgeC >= 0.0f;
+    bool negative = edgeA <= 0.0f && edgeB <= 0.0f && edgeC <= 0.0f;
+    bool inside = (positive || negative) && abs(area) >= SMALLEST_NORMAL && first <= last;
+
+    precise float inverseArea = 1.0f / (inside ? area : 1.0f);
+    precise float u = edgeB * inverseArea;
+    precise float v = edgeC * inverseArea;
+    precise float z = edgeA * inverseArea * pA.z + u * pB.z + v * pC.z;
+    precise float t = z * ray.inverseZ;
+    t = t < first ? first : t;
+    t = t > last ? last : t;
+    bool nearer = t < best.t || (t == best.t && id < best.primitive);
+    bool better = inside && obstacle && t >= ray.tMin && nearer;
+    best.t = better ? t : best.t;
+    best.u = better ? u : best.u;
+    best.v = better ? v : best.v;
+    best.primitive = better ? id : best.primitive;
+    return better;
+}

@@ -1,0 +1,105 @@
+// Direct light: for each light, the ray that asks whether it is seen, and what it would add.
+//
+// Whoever includes this declares `frame`, scene_at(i) and FEATURES before it, and includes sampling.glsl and surface.glsl.
+
+// `light` arrives at the point (irradiance, W/m^2) unless something opaque is on `ray`. A ray that is not worth asking for has
+// tMin > tMax, and no light.
+struct ShadowRay {
+    Ray ray;
+    vec3 light;
+};
+
+ShadowRay noShadowRay() { return ShadowRay(Ray(vec3(0.0f), 1.0f, vec3(0.0f), 0.0f), vec3(0.0f)); }
+
+// The irradiance that distance and direction leave of a point or spot light (element `at`); `l` points to it.
+// Source: KHR_lights_punctual (falloff by range and by cone).
+vec3 punctualLight(uint at, uint type, vec3 l, float squaredDistance) {
+    uvec4 direction = scene_at(at + 1u);
+    uvec4 intensity = scene_at(at + 2u);
+    float range = uintBitsToFloat(direction.w);
+    precise float ratio = squaredDistance / (range * range);
+    precise float window = clamp(1.0f - ratio * ratio, 0.0f, 1.0f);
+    precise float falloff = (range > 0.0f ? window : 1.0f) / squaredDistance;
+    if (type == LIGHT_SPOT) {
+        float outer = uintBitsToFloat(intensity.w);
+        float inner = uintBitsToFloat(scene_at(at + 3u).x);
+        precise float cosine = -dot(xyzOf(direction), l);
+        precise float edge = clamp((cosine - outer) / (inner - outer), 0.0f, 1.0f);
+        precise float cone = edge * edge;
+        falloff = falloff * (inner > outer ? cone : (cosine >= outer ? 1.0f : 0.0f));
+    }
+    precise vec3 result = falloff * xyzOf(intensity);
+    return result;
+}
+
+// Light `j` of the scene (j < lightCount) as seen from p.
+ShadowRay lightRay(SurfacePoint p, uint j) {
+    uint at = frame.lightsAt + j * LIGHT_STRIDE;
+    uvec4 position = scene_at(at);
+    uint type = position.w;
+    precise vec3 v = xyzOf(position) - p.at.position;
+    precise float squaredDistance = dot(v, v);
+    precise vec3 towards = v / sqrt(squaredDistance);
+    vec3 l = type == LIGHT_DIRECTIONAL ? -xyzOf(scene_at(at + 1u)) : towards;
+    precise float cosine = dot(p.shading, l);
+    if (!(dot(p.normal, l) > 0.0f && cosine > 0.0f)) return noShadowRay();
+
+    vec3 arriving = type == LIGHT_DIRECTIONAL ? xyzOf(scene_at(at + 2u)) : punctualLight(at, type, l, squaredDistance);
+    precise vec3 light = cosine * arriving;
+    if (!(largestOf(light) > 0.0f)) return noShadowRay();
+
+    vec3 origin = spawnOrigin(p.at, p.normal);
+    precise vec3 all = xyzOf(position) - origin;
+    if (type == LIGHT_DIRECTIONAL) return ShadowRay(Ray(origin, 0.0f, l, FAR_AWAY), light);
+    return ShadowRay(Ray(origin, 0.0f, all, 1.0f), light);
+}
+
+// The emitter that number x in [0, 1) picks: the first whose cumulated probability exceeds it.
+uint pickEmitter(float x) {
+    uint low = 0u;
+    uint high = frame.emitterCount - 1u;
+    for (uint i = 0u; i < 32u && low < high; ++i) {
+        uint middle = low + (high - low) / 2u;
+        bool before = uintBitsToFloat(scene_at(frame.emittersAt + middle).x) <= x;
+        low = before ? middle + 1u : low;
+        high = before ? high : middle;
+    }
+    return low;
+}
+
+// One point on one emitting triangle as seen from p: emitters are picked by area times luminance, points uniformly by area
+// [Shirley, Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"]. `key` is that of the ray which
+// found p.
+ShadowRay emitterRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key) {
+    uint index = pickEmitter(sampleSquare(pixel, sampleIndex, 1u + 3u * key, frame.seed).x);
+    vec2 square = sampleSquare(pixel, sampleIndex, 2u + 3u * key, frame.seed);
+    uvec4 emitter = scene_at(frame.emittersAt + index);
+    float below = 0.0f;
+    if (index > 0u) below = uintBitsToFloat(scene_at(frame.emittersAt + index - 1u).x);
+    uvec4 triangle = scene_at(frame.trianglesAt + emitter.y);
+    Corners corners = cornersOf(triangle);
+    vec3 emission = xyzOf(scene_at(frame.materialsAt + triangle.w * MATERIAL_STRIDE + 4u));
+
+    precise float r = sqrt(square.x);
+    precise float b0 = 1.0f - r;
+    precise float b1 = r * (1.0f - square.y);
+    precise float b2 = r * square.y;
+    BoundedPoint q = pointOf(corners.a, corners.b, corners.c, b0, b1, b2);
+    precise vec3 v = q.position - p.at.position;
+    precise float squaredDistance = dot(v, v);
+    precise vec3 l = v / sqrt(squaredDistance);
+    precise float cosine = dot(p.shading, l);
+    vec3 facing = faceNormal(corners.a, corners.b, corners.c, -l);
+    precise float cosineThere = -dot(facing, l);
+    if (cosineThere < 0.0f) facing = -facing;
+    bool lit = squaredDistance > 0.0f && dot(p.normal, l) > 0.0f && cosine > 0.0f && cosineThere != 0.0f;
+    if (!lit) return noShadowRay();
+
+    precise float probability = uintBitsToFloat(emitter.x) - below;
+    precise float density = probability / uintBitsToFloat(emitter.z);
+    precise float geometry = cosine * abs(cosineThere) / squaredDistance / density;
+    precise vec3 light = geometry * emission;
+    vec3 origin = spawnOrigin(p.at, p.normal);
+    precise vec3 all = spawnOrigin(q, facing) - origin;
+    return ShadowRay(Ray(origin, 0.0f, all, 1.0f), light);
+}

@@ -1,0 +1,71 @@
+// What one ray of each slot contributes by itself, which rays go on from where it hits, and which ask for light there.
+//
+// Whoever includes this declares `frame`, `now`, slotList[], states[], rays[], hits[], pending[], shadowRays[] and
+// contributions[] before it, and includes the rest of the frame's code.
+
+// Emission, absorption, ambient light; reflected and transmitted rays are put off, the reflected one to be taken up first.
+// Returns the weight of direct light: what its irradiance is multiplied by in the pixel.
+vec3 shadeSurface(uint slot, Ray ray, Hit hit, SurfacePoint p, INOUT(PathState) state) {
+    if (p.transmissive && !p.thin && !p.front) state.weight = state.weight * absorbed(p.absorption, hit.t);
+    precise vec3 emitted = state.sum + state.weight * p.emission;
+    state.sum = emitted;
+
+    Split split = splitAt(ray.direction, p);
+    precise vec3 scattered = state.weight * split.diffuse;
+    precise vec3 ambient = state.sum + scattered * frame.ambient;
+    state.sum = ambient;
+    if ((FEATURES & FEATURE_TRANSMISSION) != 0u) {
+        vec3 weight = state.weight * split.transmitted;
+        follow(slot, state, spawnOrigin(p.at, -p.normal), split.transmittedWay, weight, 2u * state.key + 2u);
+    }
+    if ((FEATURES & (FEATURE_MIRRORS | FEATURE_TRANSMISSION)) != 0u) {
+        vec3 weight = state.weight * split.reflected;
+        follow(slot, state, spawnOrigin(p.at, p.normal), split.reflectedWay, weight, 2u * state.key + 1u);
+    }
+    precise vec3 direct = scattered * 0.318309886f;
+    return direct;
+}
+
+void storeShadowRay(uint index, ShadowRay shadow, vec3 direct, INOUT(PathState) state) {
+    precise vec3 contribution = direct * shadow.light;
+    bool asked = largestOf(contribution) > 0.0f;
+    if (!asked) shadow = noShadowRay();
+    state.shadowRays += asked ? 1u : 0u;
+    shadowRays[index] = shadow.ray;
+    contributions[index] = vec4(asked ? contribution : vec3(0.0f), 0.0f);
+}
+
+// Slot slotList[listAt + i]: its ray rays[i] has met hits[i].
+// Ensures  shadowRays[j * count + i] and contributions[...], for each j < frame.shadowRays, hold the j-th light's.
+// Cost     O(lights + log emitters).
+void shade(uint i) {
+    uint slot = slotList[now.listAt + i];
+    PathState state = states[slot];
+    Ray ray = rays[i];
+    Hit hit = hits[i];
+    state.closestRays += 1u;
+    vec3 direct = vec3(0.0f);
+    SurfacePoint p;
+    bool missed = hit.primitive == NO_HIT;
+    if (missed) {
+        precise vec3 sum = state.sum + state.weight * skyRadiance(ray.direction);
+        state.sum = sum;
+    } else {
+        p = surfaceAt(ray, hit);
+        direct = shadeSurface(slot, ray, hit, p, state);
+    }
+    bool lit = largestOf(direct) > 0.0f;
+    if ((FEATURES & FEATURE_LIGHTS) != 0u) {
+        for (uint j = 0u; j < frame.lightCount; ++j) {
+            ShadowRay shadow = noShadowRay();
+            if (lit) shadow = lightRay(p, j);
+            storeShadowRay(j * now.count + i, shadow, direct, state);
+        }
+    }
+    if ((FEATURES & FEATURE_EMITTERS) != 0u) {
+        ShadowRay shadow = noShadowRay();
+        if (lit) shadow = emitterRay(p, state.pixel, state.sampleIndex, state.key);
+        storeShadowRay(frame.lightCount * now.count + i, shadow, direct, state);
+    }
+    states[slot] = state;
+}

@@ -1,0 +1,117 @@
+// A picture in the making, as it lies in memory on both sides of the border.
+//
+// A frame is rendered in tiles. Each pixel of a tile has a slot, which follows one ray at a time: first the camera ray of each
+// sample, then, depth first, the reflected and transmitted rays below it.
+#ifndef RAIG_SHARED_FRAME
+#define RAIG_SHARED_FRAME
+
+// What all rays of a frame have in common.
+struct FrameParams {
+    vec3 eye;
+    float halfWidth;         // of the picture, in the plane at distance 1 (perspective) or in scene units (orthographic)
+    vec3 forward;
+    float halfHeight;
+    vec3 right;
+    uint orthographic;       // 1 or 0
+    vec3 up;
+    float minContribution;   // MIN_CONTRIB: a ray of less weight is not followed
+    vec3 zenith;
+    uint width;              // of the picture, in pixels
+    vec3 horizon;
+    uint height;
+    vec3 ground;
+    uint samples;            // a pixel
+    vec3 ambient;
+    uint seed;
+    uint maxDepth;           // NIVELL_MAX: a ray of greater depth is not followed
+    uint slots;              // that there is memory for: the distance between entries of a slot
+    uint lightCount;         // point, spot and directional lights
+    uint emitterCount;       // triangles that emit light
+    uint shadowRays;         // of one shading point: one a light, and one for the emitters if there are any
+    uint materialsAt;        // where in the scene's data these begin, in elements
+    uint lightsAt;
+    uint emittersAt;
+    uint trianglesAt;
+    uint verticesAt;
+    uint vertexStride;       // elements a vertex
+    uint texturesAt;
+    uint decodeAt;           // 256 floats: what an sRGB byte means
+    uint unused0;
+    uint unused1;
+    uint unused2;
+};
+
+// One dispatch over the slots that are still at work.
+struct TileStep {
+    uint count;      // slots at work
+    uint listAt;     // their numbers are slotList[listAt + i], i < count
+    uint nextAt;     // where the numbers of those go on that will be at work in the next step
+    uint firstPixel; // of the tile, in the order of pixelOf()
+};
+
+// Where a slot stands: its current ray, and what its pixel has come to.
+struct PathState {
+    vec3 weight;         // what the ray's radiance counts in the pixel
+    uint depth;          // reflections and refractions since the camera
+    vec3 sum;            // radiance of all samples so far
+    float discarded;     // greatest components of the weights of the rays that were not followed, summed
+    uint pixel;          // y * width + x
+    uint sampleIndex;
+    uint key;            // the ray's place in the tree of rays: 0, children 2k + 1 and 2k + 2
+    uint pendingCount;   // rays of this sample yet to be followed
+    uint closestRays;    // traced so far
+    uint shadowRays;
+    uint deepest;        // depth reached
+    uint unused;
+};
+
+// A ray that waits to be followed.
+struct PendingRay {
+    vec3 origin;
+    uint depth;
+    vec3 direction;
+    uint key;
+    vec3 weight;
+    float unused;
+};
+
+// A finished pixel.
+struct PixelResult {
+    vec3 radiance;
+    float discarded;
+    uint pixel;
+    uint closestRays;
+    uint shadowRays;
+    uint deepest;
+};
+
+// The end of rays that have none: farther than any two points that rays can meet are apart.
+const float FAR_AWAY = 3.4e38f;
+
+// What the scene's data holds, so that code for what it lacks can be left out.
+const uint FEATURE_NORMALS = 1u;
+const uint FEATURE_UVS = 2u;
+const uint FEATURE_COLORS = 4u;
+const uint FEATURE_TEXTURES = 8u;
+const uint FEATURE_MIRRORS = 16u;       // surfaces that reflect
+const uint FEATURE_TRANSMISSION = 32u;  // surfaces that let light through
+const uint FEATURE_LIGHTS = 64u;
+const uint FEATURE_EMITTERS = 128u;
+
+// The scene's data is an array of uvec4. A triangle is one element: its vertices and its material. A vertex is `vertexStride`:
+// position and u; normal and v if there are normals or uvs; colour if there are colours. An emitter is one element: cumulated
+// probability, triangle, area, 0. Textures: one element each (first texel's element, width, height, wraps), then the texels,
+// four an element.
+const uint MATERIAL_STRIDE = 5u;  // diffuse gloss | mirror ior | transmission flags | absorption texture | emission 0
+const uint LIGHT_STRIDE = 4u;     // position type | direction range | intensity cos(outer) | cos(inner) 0 0 0
+
+const uint SURFACE_THIN = 1u;
+const uint SURFACE_TINTS_MIRROR = 2u;
+const uint SURFACE_TINTS_THROUGH = 4u;
+const uint NO_TEXTURE = 0xffffffffu;
+
+const uint LIGHT_POINT = 0u;
+const uint LIGHT_SPOT = 1u;
+const uint LIGHT_DIRECTIONAL = 2u;
+
+#endif

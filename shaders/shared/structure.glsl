@@ -1,0 +1,25 @@
+// What every structure's walk finds in memory besides its nodes and triangles.
+#ifndef RAIG_SHARED_STRUCTURE
+#define RAIG_SHARED_STRUCTURE
+
+struct StructureHeader {
+    vec3 lo;              // bounds of all triangles: lo > hi if there are none
+    uint nodeCount;       // nodes of one copy of the tree
+    vec3 hi;
+    uint triangleCount;   // references in the triangle array: three uvec4 each (see TRIANGLE_STRIDE)
+    vec3 gridOrigin;      // quantised planes: coordinate = gridOrigin + q * gridStep
+    uint walk;            // which of the structure's walks the nodes are laid out for
+    vec3 gridStep;
+    uint reserved;
+};
+
+// A triangle reference is three uvec4: the corners' bits in .xyz, and in .w the global id, TRIANGLE_* flags, 0.
+const uint TRIANGLE_STRIDE = 3u;
+const uint TRIANGLE_SEE_THROUGH = 1u;  // lets light through: no obstacle to shadow rays
+
+// Walks of bvh.
+const uint WALK_SKIP = 0u;       // one depth-first tree with skip links, nodes of 32 bytes
+const uint WALK_OCTANTS = 1u;    // eight, one for each octant of directions, nodes of 32 bytes
+const uint WALK_OCTANTS16 = 2u;  // eight, nodes of 16 bytes with 16-bit planes
+
+#endif

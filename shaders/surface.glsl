@@ -1,0 +1,106 @@
+// What a ray finds where it hits: the point, the normals, and the surface in the terms of host/scene/surface.hpp.
+//
+// Whoever includes this declares `frame`, scene_at(i) and the constant FEATURES before it, and includes spawn.glsl and
+// texture.glsl.
+
+struct SurfacePoint {
+    BoundedPoint at;
+    vec3 normal;         // n: of the triangle, on the ray's side
+    vec3 shading;        // ns: interpolated from the vertices, on the ray's side
+    bool front;          // the ray came from where the corners run counterclockwise
+    vec3 diffuse;        // tinted by texture and vertex colours
+    float gloss;
+    vec3 mirror;         // tinted
+    float ior;
+    vec3 through;        // tinted transmission
+    bool transmissive;   // lets light through at all, before the tint
+    vec3 absorption;
+    bool thin;
+    vec3 emission;
+};
+
+// A triangle's corners: of each the position and, in .w, whatever lies beside it.
+struct Corners {
+    vec3 a;
+    vec3 b;
+    vec3 c;
+};
+
+vec3 xyzOf(uvec4 v) { return vec3(uintBitsToFloat(v.x), uintBitsToFloat(v.y), uintBitsToFloat(v.z)); }
+
+uint vertexElement(uint vertex) { return frame.verticesAt + vertex * frame.vertexStride; }
+
+Corners cornersOf(uvec4 triangle) {
+    return Corners(xyzOf(scene_at(vertexElement(triangle.x))), xyzOf(scene_at(vertexElement(triangle.y))),
+                   xyzOf(scene_at(vertexElement(triangle.z))));
+}
+
+// The shading normal for a ray of unit direction d: the vertices' normals interpolated, on the side of n. n itself where a
+// vertex has none, where they cancel, and where the ray would meet the interpolated one from behind.
+vec3 shadingNormal(uvec4 triangle, vec3 b, vec3 d, vec3 n) {
+    vec3 n0 = xyzOf(scene_at(vertexElement(triangle.x) + 1u));
+    vec3 n1 = xyzOf(scene_at(vertexElement(triangle.y) + 1u));
+    vec3 n2 = xyzOf(scene_at(vertexElement(triangle.z) + 1u));
+    precise vec3 sum = b.x * n0 + b.y * n1 + b.z * n2;
+    bool missing = dot(n0, n0) == 0.0f || dot(n1, n1) == 0.0f || dot(n2, n2) == 0.0f;
+    if (missing || sqrt(dot(sum, sum)) < 1e-3f) return n;
+    vec3 interpolated = unit(sum);
+    if (dot(interpolated, n) < 0.0f) interpolated = -interpolated;
+    return dot(interpolated, d) >= 0.0f ? n : interpolated;
+}
+
+// What multiplies the surface's colours at barycentric coordinates b: texture times vertex colour, 1 where absent.
+vec3 tintAt(uvec4 triangle, vec3 b, uint texture_) {
+    vec3 tint = vec3(1.0f);
+    if ((FEATURES & FEATURE_TEXTURES) != 0u && texture_ != NO_TEXTURE) {
+        uint at0 = vertexElement(triangle.x);
+        uint at1 = vertexElement(triangle.y);
+        uint at2 = vertexElement(triangle.z);
+        precise float u = b.x * uintBitsToFloat(scene_at(at0).w) + b.y * uintBitsToFloat(scene_at(at1).w) +
+                          b.z * uintBitsToFloat(scene_at(at2).w);
+        precise float v = b.x * uintBitsToFloat(scene_at(at0 + 1u).w) + b.y * uintBitsToFloat(scene_at(at1 + 1u).w) +
+                          b.z * uintBitsToFloat(scene_at(at2 + 1u).w);
+        tint = textureColour(texture_, u, v);
+    }
+    if ((FEATURES & FEATURE_COLORS) != 0u) {
+        uint last = frame.vertexStride - 1u;
+        precise vec3 colour = b.x * xyzOf(scene_at(vertexElement(triangle.x) + last)) +
+                              b.y * xyzOf(scene_at(vertexElement(triangle.y) + last)) +
+                              b.z * xyzOf(scene_at(vertexElement(triangle.z) + last));
+        tint = tint * colour;
+    }
+    return tint;
+}
+
+// What `ray` (unit direction) finds at `hit`. Requires hit.primitive != NO_HIT.
+SurfacePoint surfaceAt(Ray ray, Hit hit) {
+    uvec4 triangle = scene_at(frame.trianglesAt + hit.primitive);
+    Corners corners = cornersOf(triangle);
+    precise float b0 = 1.0f - hit.u - hit.v;
+    vec3 b = vec3(b0, hit.u, hit.v);
+
+    SurfacePoint p;
+    p.at = pointOf(corners.a, corners.b, corners.c, b.x, b.y, b.z);
+    vec3 faced = faceNormal(corners.a, corners.b, corners.c, -ray.direction);
+    p.front = dot(ray.direction, faced) < 0.0f;
+    p.normal = p.front ? faced : -faced;
+    p.shading = p.normal;
+    if ((FEATURES & FEATURE_NORMALS) != 0u) p.shading = shadingNormal(triangle, b, ray.direction, p.normal);
+
+    uint material = frame.materialsAt + triangle.w * MATERIAL_STRIDE;
+    uvec4 diffuse = scene_at(material);
+    uvec4 mirror = scene_at(material + 1u);
+    uvec4 through = scene_at(material + 2u);
+    uvec4 absorption = scene_at(material + 3u);
+    vec3 tint = tintAt(triangle, b, absorption.w);
+    p.diffuse = xyzOf(diffuse) * tint;
+    p.gloss = uintBitsToFloat(diffuse.w);
+    p.mirror = (through.w & SURFACE_TINTS_MIRROR) != 0u ? xyzOf(mirror) * tint : xyzOf(mirror);
+    p.ior = uintBitsToFloat(mirror.w);
+    p.through = (through.w & SURFACE_TINTS_THROUGH) != 0u ? xyzOf(through) * tint : xyzOf(through);
+    p.transmissive = (FEATURES & FEATURE_TRANSMISSION) != 0u && largestOf(xyzOf(through)) > 0.0f;
+    p.absorption = xyzOf(absorption);
+    p.thin = (through.w & SURFACE_THIN) != 0u;
+    p.emission = xyzOf(scene_at(material + 4u));
+    return p;
+}

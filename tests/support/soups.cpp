@@ -1,0 +1,232 @@
+#include "support/soups.hpp"
+
+#include "support/random.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <numbers>
+
+namespace raig::test {
+
+namespace {
+
+constexpr float inf = std::numeric_limits<float>::infinity();
+
+Triangle randomTriangle(Random& random, double size) {
+    const dvec3 at = dvec3(random.inCube(-1, 1));
+    const auto corner = [&] { return vec3(at + size * dvec3(random.inCube(-1, 1))); };
+    return {corner(), corner(), corner()};
+}
+
+std::vector<Triangle> randomTriangles(uint64_t seed, size_t count, double size) {
+    Random random(seed);
+    std::vector<Triangle> triangles;
+    for (size_t i = 0; i < count; ++i) triangles.push_back(randomTriangle(random, size));
+    return triangles;
+}
+
+std::vector<Triangle> moved(std::vector<Triangle> triangles, double scale, dvec3 offset) {
+    for (Triangle& t : triangles)
+        for (vec3* corner : {&t.a, &t.b, &t.c}) *corner = vec3(dvec3(*corner) * scale + offset);
+    return triangles;
+}
+
+std::vector<Triangle> joined(std::vector<Triangle> a, const std::vector<Triangle>& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+std::vector<Triangle> slivers(size_t count) {
+    Random random(3);
+    std::vector<Triangle> triangles;
+    for (size_t i = 0; i < count; ++i) {
+        const vec3 a = random.inCube(-1, 1), b = random.inCube(-1, 1);
+        triangles.push_back({a, b, vec3(dvec3(b) + 1e-6 * random.direction())});
+    }
+    return triangles;
+}
+
+/// A grid of squares in the plane z = 0.25, two triangles each, and the same in x and y: all flat along an axis.
+std::vector<Triangle> walls(uint32_t side) {
+    std::vector<Triangle> triangles;
+    for (int axis = 0; axis < 3; ++axis)
+        for (uint32_t i = 0; i < side; ++i)
+            for (uint32_t j = 0; j < side; ++j) {
+                const auto at = [&](uint32_t k, uint32_t l) {
+                    vec3 p(0.25f);
+                    p[(axis + 1) % 3] = static_cast<float>(k) / 8.0f;
+                    p[(axis + 2) % 3] = static_cast<float>(l) / 8.0f;
+                    return p;
+                };
+                triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+                triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+            }
+    return triangles;
+}
+
+std::vector<Triangle> withUnusable() {
+    std::vector<Triangle> triangles = randomTriangles(5, 300, 0.2);
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const vec3 p(0.5f), q(0.25f, 0.5f, 0.75f);
+    const std::vector<Triangle> bad = {{vec3(nan), p, q}, {p, vec3(inf, 0, 0), q}, {p, q, vec3(0, 1e30f, 0)}, {p, p, q},
+                                       {p, p, p},         {vec3(0), vec3(1), vec3(2)}, {vec3(-inf), vec3(inf), vec3(nan)}};
+    for (size_t i = 0; i < bad.size(); ++i) triangles.insert(triangles.begin() + static_cast<long>(i * 40), bad[i]);
+    return triangles;
+}
+
+std::vector<Triangle> fan(size_t count) {
+    std::vector<Triangle> triangles;
+    Random random(11);
+    for (size_t i = 0; i < count; ++i) triangles.push_back({vec3(0.1f, 0.2f, 0.3f), random.inCube(-1, 1), random.inCube(-1, 1)});
+    return triangles;
+}
+
+}  // namespace
+
+std::vector<Triangle> sphere(uint32_t rings, double radius, dvec3 centre, double bumps) {
+    const uint32_t columns = 2 * rings;
+    std::vector<std::vector<vec3>> points(rings + 1, std::vector<vec3>(columns));
+    for (uint32_t i = 0; i <= rings; ++i)
+        for (uint32_t j = 0; j < columns; ++j) {
+            const double theta = std::numbers::pi * i / rings, phi = 2.0 * std::numbers::pi * j / columns;
+            const bool pole = i == 0 || i == rings;
+            const double r = radius * (1.0 + (pole ? 0.0 : bumps * std::sin(5 * theta) * std::sin(7 * phi)));
+            const double s = pole ? 0.0 : std::sin(theta);
+            points[i][j] = vec3(centre + r * dvec3(s * std::cos(phi), std::cos(theta), s * std::sin(phi)));
+        }
+    std::vector<Triangle> triangles;
+    for (uint32_t i = 0; i < rings; ++i)
+        for (uint32_t j = 0; j < columns; ++j) {
+            const uint32_t next = (j + 1) % columns;
+            if (i > 0) triangles.push_back({points[i][j], points[i][next], points[i + 1][j]});
+            if (i + 1 < rings) triangles.push_back({points[i][next], points[i + 1][next], points[i + 1][j]});
+        }
+    return triangles;
+}
+
+std::vector<Soup> soups() {
+    const std::vector<Triangle> ordinary = randomTriangles(1, 2000, 0.1);
+    const Triangle one{vec3(-0.5f, -0.5f, 0.0f), vec3(0.5f, -0.25f, 0.125f), vec3(0.0f, 0.5f, 0.25f)};
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const std::vector<Triangle> floor = {{vec3(-1000, -1, -1000), vec3(1000, -1, -1000), vec3(1000, -1, 1000)},
+                                         {vec3(-1000, -1, -1000), vec3(1000, -1, 1000), vec3(-1000, -1, 1000)}};
+    return {
+        {"none", {}},
+        {"one", {one}},
+        {"all unusable", {{vec3(nan), vec3(nan), vec3(nan)}, {vec3(1), vec3(1), vec3(1)}}},
+        {"some unusable", withUnusable()},
+        {"ordinary", ordinary},
+        {"overlapping", randomTriangles(2, 500, 1.0)},
+        {"slivers", slivers(1000)},
+        {"walls", walls(12)},
+        {"duplicates", std::vector<Triangle>(300, one)},
+        {"two of each", joined(ordinary, ordinary)},
+        {"fan", fan(500)},
+        {"sphere", sphere(16, 2.0, dvec3(0), 0.2)},
+        {"far", moved(ordinary, 1.0, dvec3(1e4, -2e4, 3e4))},
+        {"tiny", moved(ordinary, 2e-13, dvec3(0))},
+        {"huge", moved(ordinary, 2e9, dvec3(0))},
+        {"stadium", joined(floor, sphere(16, 1.0, dvec3(0), 0.1))},
+    };
+}
+
+namespace {
+
+struct Aim {
+    Box box;
+    const std::vector<Triangle>& triangles;
+    std::vector<uint32_t> usable;
+    double size;
+};
+
+vec3 pointOn(const Aim& aim, Random& random) {
+    if (aim.usable.empty()) return random.inCube(-1, 1);
+    const Triangle& t = aim.triangles[aim.usable[random.below(static_cast<uint32_t>(aim.usable.size()))]];
+    switch (random.below(3)) {
+        case 0: return t.a;  // a vertex
+        case 1: {            // a point of an edge, or its middle
+            const double f = random.below(2) == 0 ? 0.5 : random.unit();
+            return vec3(glm::mix(dvec3(t.a), dvec3(t.b), f));
+        }
+        default: {
+            const double r = std::sqrt(random.unit()), s = random.unit();
+            return vec3((1 - r) * dvec3(t.a) + r * (1 - s) * dvec3(t.b) + r * s * dvec3(t.c));
+        }
+    }
+}
+
+vec3 originAround(const Aim& aim, Random& random) {
+    const double reach = random.below(4) == 0 ? 0.3 : 2.0;
+    return vec3(dvec3(aim.box.centre()) + reach * aim.size * dvec3(random.inCube(-1, 1)));
+}
+
+Ray axisRay(const Aim& aim, Random& random) {
+    const vec3 at = pointOn(aim, random);
+    Ray ray{at, 0.0f, vec3(0.0f), inf};
+    const auto axis = static_cast<int>(random.below(3));
+    for (int other = 0; other < 3; ++other) ray.direction[other] = random.below(2) == 0 ? 0.0f : -0.0f;
+    ray.direction[axis] = random.below(2) == 0 ? 1.0f : -1.0f;
+    ray.origin[axis] -= static_cast<float>(3.0 * aim.size) * ray.direction[axis];
+    if (random.below(3) == 0) {  // in the plane of a face of the whole, or of a triangle's box
+        const int side = (axis + 1 + static_cast<int>(random.below(2))) % 3;
+        ray.origin[side] = random.below(2) == 0 ? aim.box.lo[side] : aim.box.hi[side];
+    }
+    if (random.below(4) == 0) ray.direction[(axis + 1) % 3] = static_cast<float>(random.within(-1, 1));  // one zero left
+    return ray;
+}
+
+}  // namespace
+
+std::vector<Ray> rays(const std::vector<Triangle>& triangles, uint64_t seed, size_t count) {
+    Aim aim{{}, triangles, {}, 1.0};
+    for (uint32_t i = 0; i < triangles.size(); ++i) {
+        if (!triangles[i].usable()) continue;
+        aim.usable.push_back(i);
+        aim.box.grow(triangles[i].box());
+    }
+    if (aim.usable.empty()) aim.box = {vec3(-1.0f), vec3(1.0f)};
+    aim.size = glm::length(dvec3(aim.box.extent())) / 2.0;
+
+    Random random(seed);
+    std::vector<Ray> result;
+    for (size_t i = 0; i < count; ++i) {
+        Ray ray{originAround(aim, random), 0.0f, vec3(random.direction()), inf};
+        const vec3 target = pointOn(aim, random);
+        const dvec3 towards = dvec3(target) - dvec3(ray.origin);
+        switch (i % 8) {
+            case 0: break;
+            case 1: ray = axisRay(aim, random); break;
+            case 2: ray.direction = vec3(towards / glm::length(towards)); break;
+            case 3: ray.direction = vec3(towards); break;  // not normalised, and t = 1 at the target
+            case 4: ray.origin = pointOn(aim, random); break;
+            case 5: {  // at a corner of the bounds
+                vec3 corner;
+                for (int axis = 0; axis < 3; ++axis) corner[axis] = random.below(2) == 0 ? aim.box.lo[axis] : aim.box.hi[axis];
+                ray.direction = corner - ray.origin;
+                break;
+            }
+            case 6: {  // nearly along an axis
+                const auto axis = static_cast<int>(random.below(3));
+                ray.direction = vec3(random.direction() * std::pow(10.0, random.within(-12, -3)));
+                ray.direction[axis] = 1.0f;
+                ray.origin = vec3(dvec3(target) - dvec3(ray.direction) * 2.0 * aim.size);
+                break;
+            }
+            default:  // a stretch of a ray, of any length
+                ray.direction = vec3(towards * std::pow(10.0, random.within(-13, 6)));
+                ray.tMin = static_cast<float>(random.within(0.0, 1.0) * glm::length(towards) / glm::length(dvec3(ray.direction)));
+                ray.tMax = ray.tMin * static_cast<float>(random.within(1.0, 3.0));
+                break;
+        }
+        result.push_back(ray);
+    }
+    return result;
+}
+
+std::string describe(const Ray& r) {
+    return fmt::format("o ({:.9g}, {:.9g}, {:.9g}) d ({:.9g}, {:.9g}, {:.9g}) t [{:.9g}, {:.9g}]", r.origin.x, r.origin.y,
+                       r.origin.z, r.direction.x, r.direction.y, r.direction.z, r.tMin, r.tMax);
+}
+
+}  // namespace raig::test

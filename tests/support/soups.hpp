@@ -1,0 +1,31 @@
+/// Triangles to build over and rays to send at them: the ordinary and the hostile.
+#pragma once
+
+#include "rays/types.hpp"
+#include "structures/structure.hpp"
+
+#include <string>
+#include <vector>
+
+namespace raig::test {
+
+struct Soup {
+    std::string name;
+    std::vector<Triangle> triangles;
+};
+
+/// Ordinary soup, slivers, a flat wall, duplicates, overlaps, one triangle, none, all unusable, some unusable, far from the
+/// origin, tiny, huge, uneven ("teapot in a stadium"), a closed sphere, an axis-aligned room.
+std::vector<Soup> soups();
+
+/// A closed triangle mesh of a bumpy sphere: `rings` x 2 `rings`, the vertices shared exactly.
+std::vector<Triangle> sphere(uint32_t rings, double radius, dvec3 centre, double bumps = 0.0);
+
+/// Rays of every family, in turn: random, axis-aligned with +0 and -0, from inside, at vertices, at points of edges, along
+/// the faces of bounding boxes, at corners of boxes, nearly parallel to an axis, not normalised, short intervals.
+std::vector<Ray> rays(const std::vector<Triangle>& triangles, uint64_t seed, size_t count);
+
+/// "o (..) d (..) t [..]" with all digits, to be pasted into a test.
+std::string describe(const Ray& ray);
+
+}  // namespace raig::test
