@@ -177,18 +177,18 @@ std::string judgeNan(std::span<const Operands> operands, std::span<const Results
 }
 
 void judgeConversions(std::span<const Operands> operands, std::span<const Results> results, Arithmetic& found) {
-    found.conversionsExact = true;
-    found.divisionByZero = true;
+    found.intToFloatExact = found.uintToFloatExact = found.floatToIntExact = found.divisionByZero = true;
+    const auto check = [](bool& soFar, bool now) { soFar = soFar && now; };
     for (size_t i = 0; i < operands.size(); ++i) {
         const auto [a, b, c, d] = operands[i];
+        const Results& result = results[i];
         const float whole = std::bit_cast<float>(d);
-        found.conversionsExact = found.conversionsExact &&
-                                 results[i][SELFTEST_FROM_INT] == rounded(static_cast<double>(static_cast<int32_t>(a))) &&
-                                 results[i][SELFTEST_FROM_UINT] == rounded(static_cast<double>(a)) &&
-                                 results[i][SELFTEST_TO_INT] == static_cast<uint32_t>(static_cast<int32_t>(whole)) &&
-                                 results[i][SELFTEST_TO_UINT] == static_cast<uint32_t>(std::abs(whole));
+        check(found.intToFloatExact, result[SELFTEST_FROM_INT] == rounded(static_cast<double>(static_cast<int32_t>(a))));
+        check(found.uintToFloatExact, result[SELFTEST_FROM_UINT] == rounded(static_cast<double>(a)));
+        check(found.floatToIntExact, result[SELFTEST_TO_INT] == static_cast<uint32_t>(static_cast<int32_t>(whole)) &&
+                                         result[SELFTEST_TO_UINT] == static_cast<uint32_t>(std::abs(whole)));
         if (a == std::bit_cast<uint32_t>(1.0f) && (b & ~signBit) == 0)
-            found.divisionByZero = found.divisionByZero && results[i][SELFTEST_DIV] == (infinity | (b & signBit));
+            check(found.divisionByZero, result[SELFTEST_DIV] == (infinity | (b & signBit)));
     }
 }
 

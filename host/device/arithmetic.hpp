@@ -16,7 +16,9 @@ struct Arithmetic {
     bool mulExact = false;
     bool divExact = false;
     bool sqrtExact = false;
-    bool conversionsExact = false;   ///< int and uint to float, float to int (truncating)
+    bool intToFloatExact = false;
+    bool uintToFloatExact = false;   ///< on SwiftShader it is not, from 2^31 on: it rounds twice
+    bool floatToIntExact = false;    ///< truncates, to int and to uint
     std::string denormals;           ///< "kept", "flushed" (to a zero, of operands, results or both), or "mixed"
     std::string contraction;         ///< a * b + c: "none", "fused", or "mixed"
     std::string preciseContraction;  ///< the same where the kernel says `precise`
