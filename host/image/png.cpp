@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
@@ -94,18 +95,34 @@ void appendNote(Bytes& bytes, const std::string& key, std::string value) {
         appendChunk(bytes, "iTXt", key + std::string("\0\0\0\0\0", 5) + value);
 }
 
-/// linear light -> byte: the number of thresholds at or below it, where threshold k is what encodes to k + 1/2. This rounds
-/// half up without a power function a pixel; NaN is below all, and is dealt with before.
-uint8_t toByte(float linear) {
-    static const std::array<double, 255> thresholds = [] {
-        std::array<double, 255> made{};
-        for (size_t k = 0; k < made.size(); ++k) made[k] = srgb::toLinear((static_cast<double>(k) + 0.5) / 255.0);
-        return made;
-    }();
-    return static_cast<uint8_t>(std::upper_bound(thresholds.begin(), thresholds.end(), double{linear}) - thresholds.begin());
-}
+/// Rounds linear light to sRGB bytes, half up, without a power function a pixel.
+class ByteTable {
+public:
+    ByteTable() {
+        for (size_t k = 0; k < thresholds.size(); ++k) thresholds[k] = srgb::toLinear((static_cast<double>(k) + 0.5) / 255.0);
+        for (uint32_t i = 0; i < first.size(); ++i) first[i] = advance(0, std::bit_cast<float>((i + lowest) << 15));
+    }
+    /// Requires `linear` not NaN.
+    uint8_t operator()(float linear) const {
+        if (linear < smallest) return 0;
+        if (linear >= 1.0f) return 255;
+        return advance(first[(std::bit_cast<uint32_t>(linear) >> 15) - lowest], linear);
+    }
+
+private:
+    /// The number of thresholds at or below `linear`, where threshold k is the light that encodes to k + 1/2.
+    uint8_t advance(uint8_t from, float linear) const {
+        while (from < 255 && double{linear} >= thresholds[from]) ++from;
+        return from;
+    }
+    static constexpr float smallest = 0x1p-13f;  // encodes to less than 1/2
+    static constexpr uint32_t lowest = std::bit_cast<uint32_t>(smallest) >> 15;
+    std::array<double, 255> thresholds;
+    std::array<uint8_t, 13 * 256> first;  // the byte of the least float with these exponent and top 8 mantissa bits
+};
 
 std::vector<uint8_t> toBytes(const Image& image) {
+    static const ByteTable toByte;
     std::vector<uint8_t> texels(image.pixels.size() * 3);
     parallelFor(image.pixels.size(), 16384, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
