@@ -1,0 +1,145 @@
+#include "rays/frame.hpp"
+
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+#include "rays/frame_kernels.hpp"
+#include "rays/frame_tiles.hpp"
+
+#include <algorithm>
+
+namespace raig {
+
+using namespace shared;
+
+namespace {
+
+/// Sizes tiles by how long their longest dispatch took.
+class TileSize {
+public:
+    TileSize(const FrameTiles& tiles, uint32_t fixed)
+        : tiles_(tiles), fixed_(fixed), next_(std::min(tiles.slots(), fixed ? fixed : firstTile)) {}
+
+    uint32_t next() const { return next_; }
+    void learn(double longestSeconds) {
+        if (fixed_) return;
+        const double factor = std::clamp(0.5 * tiles_.longestSeconds() / std::max(longestSeconds, 1e-6), 0.125, 8.0);
+        next_ = static_cast<uint32_t>(std::clamp(next_ * factor, 64.0, double(tiles_.slots())));
+    }
+
+private:
+    static constexpr uint32_t firstTile = 32768;
+    const FrameTiles& tiles_;
+    uint32_t fixed_;
+    uint32_t next_;
+};
+
+struct TileRun {
+    double longestSeconds = 0.0;
+    double traceSeconds = 0.0;
+    uint64_t rays = 0;
+};
+
+/// Steps one tile to its end. `report(atWork, rays)` after each step.
+template <class Report>
+TileRun runTile(FrameTiles& tiles, const FrameParams& params, uint32_t firstPixel, uint32_t count, const Report& report) {
+    TileRun tile;
+    const auto run = [&](FrameKernel kernel, const TileStep& step) {
+        tile.longestSeconds = std::max(tile.longestSeconds, tiles.run(kernel, step));
+    };
+    TileStep step{.count = count, .listAt = 0, .nextAt = params.slots, .firstPixel = firstPixel};
+    run(FrameKernel::begin, step);
+    while (step.count > 0) {
+        tile.traceSeconds += tiles.trace(step.count);
+        run(FrameKernel::shade, step);
+        const uint32_t shadowRays = step.count * params.shadowRays;
+        if (shadowRays > 0) tile.traceSeconds += tiles.traceShadows(shadowRays);
+        run(FrameKernel::gather, step);
+        tile.rays += step.count + shadowRays;
+        step.count = tiles.atWork();
+        std::swap(step.listAt, step.nextAt);
+        report(step.count, tile.rays);
+    }
+    return tile;
+}
+
+void take(const PixelResult& result, Picture& picture) {
+    picture.radiance[result.pixel] = result.radiance;
+    picture.discarded[result.pixel] = result.discarded;
+    picture.statistics.closestRays += result.closestRays;
+    picture.statistics.shadowRays += result.shadowRays;
+    picture.statistics.deepest = std::max(picture.statistics.deepest, result.deepest);
+}
+
+}  // namespace
+
+SlotBytes slotBytes(const FrameData& data) {
+    const bool branches = (data.features & (FEATURE_MIRRORS | FEATURE_TRANSMISSION)) != 0;
+    SlotBytes bytes;
+    bytes.pendingRays = branches ? data.params.maxDepth + 1 : 0;
+    const uint64_t pending = uint64_t{bytes.pendingRays} * sizeof(PendingRay);
+    const uint64_t shadow = data.params.shadowRays * (sizeof(Ray) + sizeof(Hit) + sizeof(vec4));
+    bytes.all = sizeof(PathState) + sizeof(Ray) + sizeof(Hit) + sizeof(PixelResult) + 2 * sizeof(uint32_t) + pending + shadow;
+    bytes.largest = std::max({uint64_t{sizeof(PathState)}, pending, uint64_t{data.params.shadowRays} * sizeof(Ray)});
+    return bytes;
+}
+
+uint32_t chooseSlots(uint32_t wanted, uint64_t mostSlots, const FrameData& data) {
+    if (mostSlots < 1)
+        throw limitError("a pixel's rays need {} bytes, more than a tile may hold; lower --max-depth or the number of lights",
+                         slotBytes(data).all);
+    const uint64_t pixels = uint64_t{data.params.width} * data.params.height;
+    return static_cast<uint32_t>(std::min({wanted ? uint64_t{wanted} : mostSlots, mostSlots, pixels}));
+}
+
+void checkOptions(const Scene& scene, const FrameOptions& options) {
+    RAIG_CHECK(options.width > 0 && options.height > 0);
+    RAIG_CHECK(options.samples > 0 && options.samples <= 65536);
+    RAIG_CHECK_OP(options.camera, <, scene.cameras.size());
+    if (uint64_t{options.width} * options.height > uint64_t{1} << 31)
+        throw limitError("a picture of {} x {} pixels is too large; at most 2^31 pixels can be rendered", options.width,
+                         options.height);
+    // Some devices stop looping after 65,535 rounds.
+    if (scene.lights.size() > 32768)
+        throw limitError("the scene has {} lights; at most 32768 can be asked by every point", scene.lights.size());
+    if (options.maxDepth > 1u << 20) throw limitError("a depth of {} is too large; at most 2^20 is possible", options.maxDepth);
+}
+
+void renderTiles(FrameTiles& tiles, const FrameData& data, const FrameOptions& options, const FrameProgress& progress,
+                 Picture& picture) {
+    const uint32_t pixels = options.width * options.height;
+    picture.width = options.width;
+    picture.height = options.height;
+    picture.radiance.resize(pixels);
+    picture.discarded.resize(pixels);
+    TileSize size(tiles, options.tilePixels);
+    std::vector<PixelResult> results;
+    uint64_t rays = 0;
+    for (uint32_t first = 0; first < pixels;) {
+        const uint32_t count = std::min(size.next(), pixels - first);
+        const auto report = [&](uint32_t atWork, uint64_t tileRays) {
+            if (progress) progress(double(first + (count - atWork)) / pixels, double(rays + tileRays));
+        };
+        const TileRun tile = runTile(tiles, data.params, first, count, report);
+        size.learn(tile.longestSeconds);
+        rays += tile.rays;
+        results.resize(count);
+        tiles.read(results);
+        for (const PixelResult& result : results) take(result, picture);
+        picture.statistics.traceSeconds += tile.traceSeconds;
+        ++picture.statistics.tiles;
+        first += count;
+    }
+}
+
+std::vector<Ray> cameraRays(const Scene& scene, const FrameOptions& options, uint32_t sampleIndex) {
+    checkOptions(scene, options);
+    FrameKernels kernels;
+    kernels.frame = cameraParams(scene, options);
+    std::vector<Ray> rays(size_t{options.width} * options.height);
+    parallelFor(rays.size(), 4096, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) rays[i] = kernels.cameraRay(static_cast<uint32_t>(i), sampleIndex);
+    });
+    return rays;
+}
+
+}  // namespace raig

@@ -1,0 +1,72 @@
+/// Pictures: camera rays, and below each the lecture's recursion, turned into steps over many pixels at a time.
+///
+/// Radiance of a ray is what the surface it meets emits, what it scatters of the light that reaches it (each light, one point of
+/// the emitting triangles a sample, and ambient light from everywhere), and what arrives along the reflected and the
+/// transmitted ray, weighted by K_R and K_T. A ray is followed down to NIVELL_MAX and while its weight in the pixel is at least
+/// MIN_CONTRIB. Source: Whitted 1980, "An Improved Illumination Model for Shaded Display"; Hall and Greenberg 1983, "A Testbed
+/// for Realistic Image Synthesis" (adaptive recursion).
+///
+/// Devices and the CPU run the same code, shaders/frame.glsl. The same command gives the same bits, whatever the tile size, the
+/// number of threads, or the run.
+#pragma once
+
+#include "rays/tracer.hpp"
+#include "scene/geometry.hpp"
+
+#include <functional>
+#include <vector>
+
+namespace raig {
+
+struct FrameOptions {
+    uint32_t width = 512;
+    uint32_t height = 512;
+    uint32_t samples = 4;                     ///< a pixel; 1 goes through its centre
+    uint32_t maxDepth = 8;                    ///< NIVELL_MAX: reflections and refractions below the camera ray
+    float minContribution = 1.0f / 512.0f;    ///< MIN_CONTRIB
+    uint32_t seed = 0;
+    uint32_t camera = 0;                      ///< index into Scene::cameras
+    uint32_t tilePixels = 0;                  ///< pixels at work at once; 0: by memory and measured time
+};
+
+struct FrameStatistics {
+    uint64_t closestRays = 0;   ///< camera, reflected and transmitted rays
+    uint64_t shadowRays = 0;
+    uint32_t deepest = 0;       ///< reflections and refractions of the deepest ray
+    uint32_t tiles = 0;
+    double seconds = 0.0;       ///< wall time, from the scene in memory to the picture in memory
+    double traceSeconds = 0.0;  ///< of which in finding hits
+    double setupSeconds = 0.0;  ///< of which in data and kernels
+};
+
+struct Picture {
+    uint32_t width = 0;
+    uint32_t height = 0;
+    std::vector<vec3> radiance;    ///< linear RGB, row by row from the top
+    std::vector<float> discarded;  ///< of each pixel, the weight of the rays that were not followed: times the scene's greatest
+                                   ///< radiance, it bounds what NIVELL_MAX and MIN_CONTRIB left out
+    FrameStatistics statistics;
+};
+
+/// Told from time to time, from the calling thread: the share of the work done, in [0, 1], and the rays traced so far.
+using FrameProgress = std::function<void(double fractionDone, double raysDone)>;
+
+/// Renders on the CPU, over all cores.
+///
+/// Requires  geometry == flatten(scene); `tracer` of geometry's triangles, with those of findSeeThrough() (rays/lights.hpp) marked
+///           as letting light through; options.camera < scene.cameras.size(); sizes and samples > 0, samples <= 65536.
+/// Ensures   no pixel's radiance is NaN or infinite unless the scene's numbers overflow.
+/// Cost      samples * width * height * (1 + lights) rays for diffuse scenes; memory: the picture and tiles of some 64 MB.
+///           Throws limitError if the picture has more than 2^31 pixels or a pixel's rays do not fit the memory of a tile.
+Picture renderPicture(const Scene& scene, const Geometry& geometry, Tracer& tracer, const FrameOptions& options,
+                      const FrameProgress& progress = {});
+
+/// The same on a Vulkan device, on which `tracer` traces. No dispatch is longer than the device stands (50 ms on hardware, 2 s on
+/// software devices), as tiles are sized by measured time. Throws limitError if the scene does not fit.
+Picture renderPicture(Device& device, const Scene& scene, const Geometry& geometry, DeviceTracer& tracer,
+                      const FrameOptions& options, const FrameProgress& progress = {});
+
+/// The camera rays of sample `sampleIndex` of every pixel, row by row, as renderPicture traces them.
+std::vector<Ray> cameraRays(const Scene& scene, const FrameOptions& options, uint32_t sampleIndex = 0);
+
+}  // namespace raig

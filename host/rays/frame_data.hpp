@@ -1,0 +1,25 @@
+/// The scene as the frame's code reads it: one flat array, and the parameters that say where what is.
+#pragma once
+
+#include "rays/frame.hpp"
+#include "rays/frame_types.hpp"
+
+#include <vector>
+
+namespace raig {
+
+/// What shaders/shared/frame.glsl describes. Absent things (normals, textures, ...) take no memory.
+struct FrameData {
+    std::vector<uvec4> elements;
+    uint32_t features = 0;       ///< FEATURE_*
+    shared::FrameParams params;  ///< `slots` is left to whoever makes room for them
+};
+
+/// Packs camera, lights, materials and triangles. Requires what renderPicture requires.
+/// Cost: 16 bytes a triangle, and 16 to 48 bytes a vertex.
+FrameData packFrame(const Scene& scene, const Geometry& geometry, const FrameOptions& options);
+
+/// Only camera and picture: enough for camera rays.
+shared::FrameParams cameraParams(const Scene& scene, const FrameOptions& options);
+
+}  // namespace raig

@@ -1,0 +1,51 @@
+/// What a place that renders tiles offers to the loop over them (rays/frame.cpp): the CPU's memory, or a device.
+#pragma once
+
+#include "rays/frame_data.hpp"
+
+#include <span>
+
+namespace raig {
+
+enum class FrameKernel { begin, shade, gather };
+
+/// Bytes of memory that one slot takes: its states, rays and hits, of which the largest array takes `largest`.
+struct SlotBytes {
+    uint64_t all = 0;
+    uint64_t largest = 0;
+    uint32_t pendingRays = 0;  ///< room for rays that were put off: none where nothing reflects or lets light through
+};
+
+SlotBytes slotBytes(const FrameData& data);
+
+/// Slots and the kernels that work on them. Calls run to their end.
+class FrameTiles {
+public:
+    virtual ~FrameTiles() = default;
+
+    /// Slots there is room for; > 0.
+    virtual uint32_t slots() const = 0;
+    /// No call of run() should take longer.
+    virtual double longestSeconds() const = 0;
+    /// One kernel over step.count slots. Returns seconds.
+    virtual double run(FrameKernel kernel, const shared::TileStep& step) = 0;
+    /// Traces the first `count` rays, or shadow rays, into hits. Returns seconds.
+    virtual double trace(uint32_t count) = 0;
+    virtual double traceShadows(uint32_t count) = 0;
+    /// The slots that go on after the last gather.
+    virtual uint32_t atWork() = 0;
+    /// Results of the first results.size() slots.
+    virtual void read(std::span<shared::PixelResult> results) = 0;
+};
+
+/// `wanted` slots, or as many as `mostSlots`, and no more than the picture has pixels.
+uint32_t chooseSlots(uint32_t wanted, uint64_t mostSlots, const FrameData& data);
+
+/// Renders all tiles. `picture` gets everything but setup seconds.
+void renderTiles(FrameTiles& tiles, const FrameData& data, const FrameOptions& options, const FrameProgress& progress,
+                 Picture& picture);
+
+/// Throws limitError for a picture or a number of lights that is out of reach.
+void checkOptions(const Scene& scene, const FrameOptions& options);
+
+}  // namespace raig

@@ -1,0 +1,14 @@
+/// The structs of shaders/shared/frame.glsl, as C++.
+#pragma once
+
+#include "rays/types.hpp"
+
+namespace raig::shared {
+
+#include "shared/frame.glsl"
+
+static_assert(sizeof(FrameParams) == 192 && sizeof(TileStep) == 16 && sizeof(PathState) == 64 && sizeof(PendingRay) == 48 &&
+                  sizeof(PixelResult) == 32,
+              "as in the buffers of the device");
+
+}  // namespace raig::shared

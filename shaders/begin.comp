@@ -1,0 +1,11 @@
+#version 450
+// Begins a tile: one slot an invocation.
+#extension GL_GOOGLE_include_directive : require
+
+#include "frame_buffers.glsl"
+#include "frame.glsl"
+
+void main() {
+    uint i = gl_GlobalInvocationID.x;
+    if (i < now.count) begin(i);
+}
