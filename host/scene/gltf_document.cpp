@@ -126,7 +126,7 @@ void parseModel(Document& document, const Json& json) {
         errors = problem.what();
     }
     // tinygltf also reports trouble with optional members while it returns true, and drops what they belong to.
-    if (!parsed || !errors.empty()) throw inputError(document.file, "is not valid glTF: {}", printable(errors));
+    if (!parsed || !errors.empty()) throw inputError(document.file, "is not valid glTF: {}", printable(errors, 200));
 }
 
 }  // namespace

@@ -50,8 +50,8 @@ private:
     std::map<std::string, size_t> counts_;
 };
 
-/// Names taken from a file, made fit for a one-line message: no control characters, at most 80 bytes.
-std::string printable(std::string_view text);
+/// Names taken from a file, made fit for a one-line message: no control characters, at most `most` bytes.
+std::string printable(std::string_view text, size_t most = 80);
 
 /// inputError at a JSON pointer of the document: "scene.gltf#/nodes/3: ...".
 template <class... Args>

@@ -158,10 +158,14 @@ void checkNesting(std::string_view text, const std::string& file) {
 
 bool isSupportedExtension(std::string_view name) { return supportedExtensions.contains(name); }
 
-std::string printable(std::string_view text) {
-    std::string clean(text.substr(0, 80));
+std::string printable(std::string_view text, size_t most) {
+    while (text.ends_with('\n')) text.remove_suffix(1);
+    size_t length = std::min(text.size(), most);
+    // Not in the middle of a UTF-8 sequence, whose bytes after the first are 10xxxxxx.
+    while (length > 0 && length < text.size() && (text[length] & 0xc0) == 0x80) --length;
+    std::string clean(text.substr(0, length));
     std::replace_if(clean.begin(), clean.end(), [](char c) { return (c >= 0 && c < 32) || c == 127; }, '?');
-    return text.size() > 80 ? clean + "..." : clean;
+    return text.size() > length ? clean + "..." : clean;
 }
 
 nlohmann::json parseJson(std::string_view text, const std::string& file, size_t& morphedCount) {
@@ -170,7 +174,7 @@ nlohmann::json parseJson(std::string_view text, const std::string& file, size_t&
     try {
         json = Json::parse(text);
     } catch (const Json::exception& problem) {
-        throw inputError(file, "its JSON cannot be parsed: {}", printable(problem.what()));
+        throw inputError(file, "its JSON cannot be parsed: {}", printable(problem.what(), 200));
     }
     if (!json.is_object()) throw inputError(file, "its JSON is not an object; is this a glTF file?");
     ShapeCheck(file, morphedCount).walk(json, Step{});

@@ -1,6 +1,7 @@
 #include "base/files.hpp"
 #include "scene/gltf_document.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace raig::gltf {
@@ -70,14 +71,19 @@ std::vector<std::byte> decodeDataUri(std::string_view uri, const std::string& pl
 std::vector<std::byte> readUri(const std::string& uri, const std::filesystem::path& folder, const std::string& place) {
     if (uri.starts_with("data:")) return decodeDataUri(uri, place);
     const std::string name = decodePercent(uri);
-    if (name.empty()) throw inputError(place, "its URI is empty");
+    const bool isPlain = std::none_of(name.begin(), name.end(), [](char c) { return (c >= 0 && c < 32) || c == 127; });
+    if (name.empty() || !isPlain) throw inputError(place, "its URI '{}' is empty or holds control characters", printable(uri));
     const size_t colon = name.find(':');
     if (colon != std::string::npos && colon < name.find('/'))
         throw inputError(place, "cannot read '{}': only files beside the scene and data URIs are read", printable(uri));
     const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
-    if (relative.is_absolute() || *relative.begin() == ".." || name.find('\0') != std::string::npos)
+    if (relative.is_absolute() || *relative.begin() == "..")
         throw inputError(place, "refuses to read '{}': it lies outside the scene's folder", printable(uri));
-    return readFile(folder / relative);
+    try {
+        return readFile(folder / relative);
+    } catch (const Error& problem) {
+        throw Error(problem.exitCode, place + ": " + problem.what());
+    }
 }
 
 }  // namespace raig::gltf
