@@ -1,0 +1,116 @@
+#include "base/error.hpp"
+#include "scene/geometry.hpp"
+#include "scene/import.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raig {
+
+namespace {
+
+/// What the standard camera looks at.
+struct Subject {
+    std::vector<vec3> points;  ///< the vertices that triangles name, in the world, within reach of rays
+    Box bounds;                ///< of the usable triangles
+};
+
+Subject findSubject(const Scene& scene) {
+    Subject subject;
+    std::vector<vec3> placed;
+    std::vector<bool> isNamed;
+    for (const Instance& instance : scene.instances) {
+        const Mesh& mesh = scene.meshes[instance.mesh];
+        placed.clear();
+        for (const vec3& position : mesh.positions) placed.push_back(placePoint(instance.toWorld, position));
+        isNamed.assign(placed.size(), false);
+        for (const uvec3& t : mesh.triangles) {
+            isNamed[t.x] = isNamed[t.y] = isNamed[t.z] = true;
+            if (!isUsable(placed[t.x], placed[t.y], placed[t.z])) continue;
+            for (int corner = 0; corner < 3; ++corner) subject.bounds.grow(placed[t[corner]]);
+        }
+        for (size_t i = 0; i < placed.size(); ++i)
+            if (isNamed[i] && isFinite(placed[i])) subject.points.push_back(placed[i]);
+    }
+    return subject;
+}
+
+void addCamera(Scene& scene) {
+    Subject subject = findSubject(scene);
+    const bool isEmpty = subject.bounds.empty();
+    if (isEmpty) {
+        // Nothing to look at: look at a unit box around the origin.
+        subject.bounds = {vec3(-0.5f), vec3(0.5f)};
+        subject.points.clear();
+        for (unsigned corner = 0; corner < 8; ++corner)
+            subject.points.emplace_back(corner & 1 ? 0.5f : -0.5f, corner & 2 ? 0.5f : -0.5f, corner & 4 ? 0.5f : -0.5f);
+    }
+    scene.cameras.push_back(threeQuarterView(subject.points, subject.bounds));
+    scene.remarks.emplace_back(isEmpty ? "no camera and nothing to see: a three-quarter view of a unit box is used"
+                                       : "no camera: a three-quarter view of the whole scene is used");
+}
+
+bool emits(const Scene& scene) {
+    std::vector<bool> emitting;
+    for (const Material& material : scene.materials) emitting.push_back(glm::any(glm::greaterThan(material.emission, vec3(0.0f))));
+    return std::ranges::any_of(scene.instances, [&](const Instance& instance) {
+        return std::ranges::any_of(scene.meshes[instance.mesh].materials, [&](uint32_t index) { return emitting[index]; });
+    });
+}
+
+/// A directional light whose irradiance of pi makes a white diffuse surface that faces it exactly 1 bright, and a sky, so that
+/// mirrors and glass have something to show.
+void addLight(Scene& scene) {
+    Light headlight;
+    headlight.type = Light::Type::directional;
+    headlight.direction = scene.cameras.front().forward;
+    headlight.intensity = vec3(3.14159265f);
+    scene.lights.push_back(headlight);
+    scene.sky = {.zenith = {0.28f, 0.44f, 0.72f}, .horizon = {0.85f, 0.88f, 0.92f}, .ground = {0.19f, 0.16f, 0.13f}};
+    scene.ambient = vec3(0.12f);
+    scene.remarks.emplace_back("no light: a headlight along the camera, a sky and some ambient light are used");
+}
+
+}  // namespace
+
+void completeScene(Scene& scene) {
+    if (scene.materials.empty()) {
+        scene.materials.push_back({});
+        scene.remarks.emplace_back("no material: a diffuse grey is used");
+    }
+    if (scene.cameras.empty()) addCamera(scene);
+    if (scene.lights.empty() && !emits(scene)) addLight(scene);
+}
+
+Camera threeQuarterView(const std::vector<vec3>& points, const Box& framed) {
+    RAIG_CHECK(!framed.empty() && isFinite(framed.lo) && isFinite(framed.hi));
+    constexpr double yfov = 0.78539816339744831;  // 45 degrees
+    constexpr double share = 0.95;                // of the frame that the subject may take
+    const dvec3 centre = 0.5 * (dvec3(framed.lo) + dvec3(framed.hi));
+    const dvec3 towardsEye = glm::normalize(dvec3(0.5, 0.35, 1.0));
+    const dvec3 forward = -towardsEye;
+    const dvec3 right = glm::normalize(glm::cross(forward, dvec3(0.0, 1.0, 0.0)));
+    const dvec3 up = glm::cross(right, forward);
+
+    const double slope = share * std::tan(yfov / 2.0);
+    double distance = -std::numeric_limits<double>::infinity();
+    for (const vec3& point : points) {
+        if (!framed.contains(Box{point, point})) continue;
+        const dvec3 p = dvec3(point) - centre;
+        const double aside = std::max(std::abs(glm::dot(p, right)), std::abs(glm::dot(p, up)));
+        distance = std::max(distance, aside / slope - glm::dot(p, forward));
+    }
+    // A single point, or one seen edge-on, asks for no distance at all.
+    if (!(distance > 0.0)) distance = std::max(glm::length(dvec3(framed.extent())), 1e-3);
+
+    Camera camera;
+    camera.name = "three-quarter view";
+    camera.eye = vec3(centre + distance * towardsEye);
+    camera.forward = vec3(forward);
+    camera.right = vec3(right);
+    camera.up = vec3(up);
+    camera.yfov = static_cast<float>(yfov);
+    return camera;
+}
+
+}  // namespace raig

@@ -1,0 +1,212 @@
+/// The scene's triangles in the world: what instancing, mirroring, scaling and bad numbers do to them.
+#include "scene/geometry.hpp"
+
+#include "base/error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+namespace raig {
+namespace {
+
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+dmat4 scaling(const dvec3& s) { return dmat4(dvec4(s.x, 0, 0, 0), dvec4(0, s.y, 0, 0), dvec4(0, 0, s.z, 0), dvec4(0, 0, 0, 1)); }
+
+dmat4 translation(const dvec3& by) {
+    dmat4 m(1.0);
+    m[3] = dvec4(by, 1.0);
+    return m;
+}
+
+/// A matrix of random entries, and so of either orientation.
+dmat4 randomAffine(std::mt19937& random) {
+    std::uniform_real_distribution<double> entry(-2.0, 2.0);
+    dmat4 m(1.0);
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 3; ++row) m[column][row] = entry(random);
+    return m;
+}
+
+/// One triangle with its face's normal at every corner.
+Mesh triangle(const vec3& a, const vec3& b, const vec3& c) {
+    Mesh mesh;
+    mesh.positions = {a, b, c};
+    const vec3 n = glm::cross(b - a, c - a);
+    mesh.normals.assign(3, n / glm::length(n));
+    mesh.triangles = {{0, 1, 2}};
+    mesh.materials = {0};
+    return mesh;
+}
+
+Scene sceneOf(std::vector<Mesh> meshes, const std::vector<Instance>& instances) {
+    Scene scene;
+    scene.meshes = std::move(meshes);
+    scene.instances = instances;
+    scene.materials.resize(2);
+    return scene;
+}
+
+/// The normal of a triangle by the order of its corners.
+dvec3 faceNormal(const Geometry& g, size_t index) {
+    const uvec3 t = g.triangles[index];
+    const dvec3 a = g.positions[t.x], b = g.positions[t.y], c = g.positions[t.z];
+    return glm::normalize(glm::cross(b - a, c - a));
+}
+
+TEST(Geometry, NormalsAndFrontsAgreeUnderAnyTransform) {
+    std::mt19937 random(3);
+    const Mesh mesh = triangle({0.1f, 0.2f, 0.3f}, {1, 0, 0.5f}, {0.25f, 1, -0.5f});
+    int mirrored = 0;
+    for (int round = 0; round < 1000; ++round) {
+        const dmat4 toWorld = randomAffine(random);
+        if (std::abs(glm::determinant(glm::dmat3(toWorld))) < 0.05) continue;
+        const Geometry g = flatten(sceneOf({mesh}, {{0, toWorld}}));
+        mirrored += glm::determinant(glm::dmat3(toWorld)) < 0.0;
+        for (int i = 0; i < 3; ++i) {
+            EXPECT_NEAR(glm::length(dvec3(g.normals[i])), 1.0, 1e-6);
+            EXPECT_GT(glm::dot(dvec3(g.normals[i]), faceNormal(g, 0)), 1.0 - 1e-4) << "round " << round;
+        }
+        ASSERT_FALSE(HasFailure());
+    }
+    EXPECT_GT(mirrored, 300);
+}
+
+// What is inside a closed mesh stays inside when the mesh is mirrored: else glass would bend light the wrong way.
+TEST(Geometry, MirroredInstancesKeepTheirFrontsOutside) {
+    const Mesh mesh = triangle({1, 0, 0}, {0, 1, 0}, {0, 0, 1});  // faces away from the origin
+    for (const double side : {1.0, -1.0}) {
+        const Geometry g = flatten(sceneOf({mesh}, {{0, scaling({side, 1, 1})}}));
+        EXPECT_GT(glm::dot(faceNormal(g, 0), dvec3(g.positions[0])), 0.0);
+        EXPECT_EQ(g.triangles[0].x, 0u) << "the first corner stays the first";
+    }
+}
+
+TEST(Geometry, NormalsAreUnitAtExtremeScales) {
+    const Mesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 1});
+    for (const double scale : {1e-30, 1e-10, 1e10, 1e17}) {
+        const Geometry g = flatten(sceneOf({mesh}, {{0, scaling({scale, -scale, 2 * scale})}}));
+        EXPECT_NEAR(glm::length(dvec3(g.normals[0])), 1.0, 1e-6) << scale;
+        EXPECT_EQ(g.dropped.zeroArea + g.dropped.nonFinite, 0u) << scale;
+    }
+}
+
+TEST(Geometry, SingularTransformsDropTheirTrianglesAndNothingElse) {
+    const Mesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 1});
+    const Geometry g = flatten(sceneOf({mesh}, {{0, scaling({0, 0, 0})}, {0, dmat4(1.0)}, {0, scaling({1, 0, 0})}}));
+    EXPECT_EQ(g.triangles.size(), 3u);
+    EXPECT_EQ(g.dropped.zeroArea, 2u);
+    EXPECT_EQ(g.bounds.lo, vec3(0));
+    EXPECT_EQ(g.bounds.hi, vec3(1));
+    for (const vec3& n : g.normals) EXPECT_TRUE(n == vec3(0) || std::abs(glm::length(n) - 1.0f) < 1e-6f);
+}
+
+// Flattened onto a plane, a triangle keeps an area, and its normal is the plane's.
+TEST(Geometry, ProjectionsOntoAPlaneHaveThePlanesNormal) {
+    const Geometry g = flatten(sceneOf({triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 1})}, {{0, scaling({1, 1, 0})}}));
+    EXPECT_EQ(g.dropped.zeroArea, 0u);
+    EXPECT_NEAR(std::abs(g.normals[0].z), 1.0f, 1e-6f);
+}
+
+TEST(Geometry, WhatIsNoNumberIsDroppedAndCountedApart) {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {nan, 0, 0}, {0, infinity, 0}, {0, 0, 2e18f}, {2, 0, 0}};
+    mesh.triangles = {{0, 1, 2}, {0, 1, 3}, {4, 1, 2}, {0, 5, 1}, {0, 1, 6}, {1, 1, 2}, {3, 3, 3}};
+    mesh.materials.assign(7, 0);
+    Scene scene = sceneOf({mesh}, {{0, dmat4(1.0)}});
+    scene.otherPrimitives = 5;
+    const Geometry g = flatten(scene);
+    EXPECT_EQ(g.triangles.size(), 7u) << "they keep their ids";
+    EXPECT_EQ(g.dropped.nonFinite, 4u);
+    EXPECT_EQ(g.dropped.zeroArea, 2u);
+    EXPECT_EQ(g.dropped.other, 5u);
+    EXPECT_EQ(g.bounds.hi, vec3(1, 1, 0)) << "only what rays can meet counts";
+}
+
+TEST(Geometry, CollinearCornersAreUnusableHoweverTheyLie) {
+    std::mt19937 random(5);
+    std::uniform_int_distribution<int> whole(-1000, 1000);
+    for (int round = 0; round < 10'000; ++round) {
+        const vec3 a(whole(random), whole(random), whole(random));
+        const vec3 step(whole(random) / 64.0f, whole(random) / 64.0f, whole(random) / 64.0f);
+        const float i = static_cast<float>(whole(random)), j = static_cast<float>(whole(random));
+        // Exact in float: every term is a multiple of 1/64 below 2^24 / 64.
+        EXPECT_FALSE(isUsable(a, a + 0.25f * i * step, a + 0.25f * j * step) && (i == 0 || j == 0 || i == j));
+    }
+    EXPECT_FALSE(isUsable({0, 0, 0}, {1, 2, 3}, {2, 4, 6}));
+    EXPECT_FALSE(isUsable({1e6f, 1e6f, 1e6f}, {1e6f + 1, 1e6f + 1, 1e6f + 1}, {1e6f - 2, 1e6f - 2, 1e6f - 2}));
+}
+
+TEST(Geometry, ThinTrianglesOfAnySizeAreUsable) {
+    for (const float scale : {1e-30f, 1e-6f, 1.0f, 1e6f, 1e17f}) {
+        EXPECT_TRUE(isUsable({0, 0, 0}, {scale, 0, 0}, {0.5f * scale, 1e-6f * scale, 0})) << scale;
+        EXPECT_TRUE(isUsable(vec3(scale), vec3(scale) + vec3(scale, 0, 0), vec3(scale, std::nextafter(scale, infinity), scale))) << scale;
+    }
+    EXPECT_TRUE(isUsable({0, 0, 0}, {1e-45f, 0, 0}, {0, 1e-45f, 0})) << "of the smallest numbers there are";
+    EXPECT_TRUE(isUsable({-1.8e18f, 0, 0}, {1.8e18f, 0, 0}, {0, 1.8e18f, 0}));
+}
+
+TEST(Geometry, IdsCountInstancesThenTriangles) {
+    Mesh two = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    two.triangles.push_back({2, 1, 0});
+    two.materials.push_back(1);
+    const Mesh none;
+    const Geometry g = flatten(sceneOf({two, none}, {{1, dmat4(1.0)}, {0, dmat4(1.0)}, {1, dmat4(1.0)}, {0, translation({5, 0, 0})}, {1, dmat4(1.0)}}));
+    ASSERT_EQ(g.triangles.size(), 4u);
+    EXPECT_EQ(g.firstTriangle, (std::vector<uint32_t>{0, 0, 2, 2, 4, 4}));
+    EXPECT_EQ(g.materials, (std::vector<uint32_t>{0, 1, 0, 1}));
+    for (uint32_t i = 0; i < 4; ++i) {
+        EXPECT_EQ(g.place(i).instance, i < 2 ? 1u : 3u);
+        EXPECT_EQ(g.place(i).primitive, i % 2);
+    }
+    EXPECT_EQ(g.positions[g.triangles[2].x], vec3(5, 0, 0));
+}
+
+TEST(Geometry, AttributesThatOneMeshLacksAreNeutralThere) {
+    Mesh plain = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), rich = plain;
+    plain.normals.clear();
+    rich.uvs = {{0, 0}, {1, 0}, {0, 1}};
+    rich.colors = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const Geometry g = flatten(sceneOf({plain, rich}, {{0, dmat4(1.0)}, {1, dmat4(1.0)}}));
+    EXPECT_EQ(g.normals[0], vec3(0));
+    EXPECT_EQ(g.uvs[0], vec2(0));
+    EXPECT_EQ(g.colors[0], vec3(1));
+    EXPECT_EQ(g.colors[4], vec3(0, 1, 0));
+    EXPECT_TRUE(flatten(sceneOf({plain}, {{0, dmat4(1.0)}})).uvs.empty());
+}
+
+// Moved far away, a float holds only so much: one rounding of the exact place, not two.
+TEST(Geometry, PositionsAreRoundedOnce) {
+    std::mt19937 random(9);
+    std::uniform_real_distribution<float> coordinate(-1.0f, 1.0f);
+    for (int round = 0; round < 1000; ++round) {
+        const vec3 p(coordinate(random), coordinate(random), coordinate(random));
+        const double by = 148376.0625, scale = 3.0;
+        const vec3 got = placePoint(translation({by, by, by}) * scaling(dvec3(scale)), p);
+        for (int k = 0; k < 3; ++k) EXPECT_EQ(got[k], static_cast<float>(scale * static_cast<double>(p[k]) + by));
+    }
+}
+
+TEST(Geometry, MoreTrianglesThanCanBeNumberedAreALimit) {
+    Mesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    mesh.triangles.assign(1 << 20, {0, 1, 2});
+    mesh.materials.assign(1 << 20, 0);
+    try {
+        flatten(sceneOf({mesh}, std::vector<Instance>(2048)));
+        FAIL() << "2^31 triangles were accepted";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.exitCode, ExitCode::limit);
+    }
+}
+
+TEST(Geometry, AnEmptySceneIsEmpty) {
+    const Geometry g = flatten(Scene{});
+    EXPECT_TRUE(g.triangles.empty() && g.positions.empty() && g.bounds.empty());
+    EXPECT_EQ(g.firstTriangle, std::vector<uint32_t>{0});
+}
+
+}  // namespace
+}  // namespace raig
