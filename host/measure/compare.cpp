@@ -1,0 +1,158 @@
+#include "measure/compare.hpp"
+
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace raig {
+
+namespace {
+
+using reference::noTriangle;
+
+struct Corners {
+    vec3 a, b, c;
+};
+
+Corners cornersOf(const Geometry& geometry, uint32_t triangle) {
+    const uvec3 t = geometry.triangles[triangle];
+    return {geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z]};
+}
+
+double largest(const dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+/// False for an answer that no ray can have.
+bool isAnswer(const Geometry& geometry, const Ray& ray, const Hit& hit) {
+    if (hit.primitive == NO_HIT) return true;
+    if (hit.primitive >= geometry.triangles.size() || !(hit.t >= ray.tMin && hit.t <= ray.tMax)) return false;
+    const Corners k = cornersOf(geometry, hit.primitive);
+    return isUsable(k.a, k.b, k.c);
+}
+
+double toleranceFor(const Geometry& geometry, const Ray& ray, uint32_t triangle) {
+    const Corners k = cornersOf(geometry, triangle);
+    return positionTolerance(ray, k.a, k.b, k.c);
+}
+
+/// True if the ray passes within the tolerance of the device's triangle, not behind what the oracle sees.
+bool passesBy(const Geometry& geometry, const Ray& floats, const reference::Hit& oracle, uint32_t triangle) {
+    const reference::Ray ray = widen(floats);
+    const double tolerance = toleranceFor(geometry, floats, triangle);
+    const Corners k = cornersOf(geometry, triangle);
+    const reference::Approach nearest = reference::approach(ray, k.a, k.b, k.c);
+    if (nearest.distance > tolerance) return false;
+    if (oracle.primitive == noTriangle) return true;
+    if ((nearest.t - oracle.t) * glm::length(ray.direction) <= tolerance) return true;
+    const Corners seen = cornersOf(geometry, oracle.primitive);
+    const auto at = [&](double t) { return ray.origin + t * ray.direction; };
+    return reference::distanceToTriangle(at(oracle.t), k.a, k.b, k.c) <= tolerance ||
+           reference::distanceToTriangle(at(nearest.t), seen.a, seen.b, seen.c) <=
+               toleranceFor(geometry, floats, oracle.primitive);
+}
+
+/// True if a ray moved sideways by `tolerance`, in one of 8 directions, sees `triangle` (noTriangle: nothing).
+bool nearbyRaySees(const reference::Tree& tree, const reference::Ray& ray, uint32_t triangle, double tolerance) {
+    const dvec3 d = glm::normalize(ray.direction);
+    const dvec3 aside = std::abs(d.x) < 0.5 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
+    const dvec3 right = glm::normalize(glm::cross(d, aside)), up = glm::cross(right, d);
+    for (int i = 0; i < 8; ++i) {
+        const double angle = 0.78539816339744831 * i;
+        reference::Ray moved = ray;
+        moved.origin += tolerance * (std::cos(angle) * right + std::sin(angle) * up);
+        if (tree.closest(moved).primitive == triangle) return true;
+    }
+    return false;
+}
+
+/// A float's place in the order of all floats.
+int64_t rankOf(float x) {
+    const int64_t bits = std::bit_cast<int32_t>(x);
+    return bits >= 0 ? bits : int64_t{std::numeric_limits<int32_t>::min()} - bits;
+}
+
+}  // namespace
+
+reference::Ray widen(const Ray& ray) { return {ray.origin, ray.direction, ray.tMin, ray.tMax}; }
+
+uint64_t ulpsApart(float a, float b) { return static_cast<uint64_t>(std::abs(rankOf(a) - rankOf(b))); }
+
+double positionTolerance(const Ray& ray, const vec3& a, const vec3& b, const vec3& c) {
+    const dvec3 o = ray.origin;
+    return 8.0 * reference::floatUlp(std::max({largest(o), largest(dvec3(a) - o), largest(dvec3(b) - o), largest(dvec3(c) - o)}));
+}
+
+HitClass classifyHit(const reference::Tree& tree, const Ray& ray, const reference::Hit& oracle, const Hit& device) {
+    const Geometry& geometry = tree.geometry();
+    if (!isAnswer(geometry, ray, device)) return HitClass::wrong;
+    if (device.primitive == oracle.primitive) return HitClass::same;
+    const HitClass fault = device.primitive == NO_HIT        ? HitClass::missed
+                           : oracle.primitive == noTriangle ? HitClass::phantom
+                                                             : HitClass::wrong;
+    const reference::Ray wide = widen(ray);
+    if (!reference::isUsable(wide)) return fault;
+    if (device.primitive != NO_HIT && passesBy(geometry, ray, oracle, device.primitive)) return HitClass::tie;
+    // What lies in front of the oracle's hit can only be a tie by its own edges, looked at above.
+    if (oracle.primitive == noTriangle || (device.primitive != NO_HIT && device.t <= oracle.t)) return fault;
+    const double tolerance = toleranceFor(geometry, ray, oracle.primitive);
+    return nearbyRaySees(tree, wide, device.primitive, tolerance) ? HitClass::tie : fault;
+}
+
+Spread spreadOf(std::vector<double> values) {
+    if (values.empty()) return {};
+    std::sort(values.begin(), values.end());
+    const auto rank = [&](double share) {
+        return values[static_cast<size_t>(std::ceil(share * static_cast<double>(values.size()))) - 1];
+    };
+    return {rank(0.5), rank(0.99), values.back()};
+}
+
+uint64_t HitComparison::rays() const { return counts[0] + counts[1] + counts[2] + counts[3] + counts[4]; }
+
+uint64_t HitComparison::faultCount() const {
+    return count(HitClass::missed) + count(HitClass::phantom) + count(HitClass::wrong);
+}
+
+HitComparison compareHits(const reference::Tree& tree, std::span<const Ray> rays, std::span<const Hit> hits) {
+    RAIG_CHECK_OP(rays.size(), ==, hits.size());
+    std::vector<reference::Hit> oracle(rays.size());
+    std::vector<HitClass> kinds(rays.size());
+    parallelFor(rays.size(), 256, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+            oracle[i] = tree.closest(widen(rays[i]));
+            kinds[i] = classifyHit(tree, rays[i], oracle[i], hits[i]);
+        }
+    });
+    HitComparison result;
+    std::vector<double> ulps;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        ++result.counts[static_cast<uint32_t>(kinds[i])];
+        if (kinds[i] == HitClass::same && hits[i].primitive != NO_HIT)
+            ulps.push_back(static_cast<double>(ulpsApart(static_cast<float>(oracle[i].t), hits[i].t)));
+        if (kinds[i] != HitClass::same && kinds[i] != HitClass::tie && result.faults.size() < 16)
+            result.faults.push_back({i, kinds[i], oracle[i], hits[i]});
+    }
+    result.tUlp = spreadOf(std::move(ulps));
+    return result;
+}
+
+Image roundedImage(const reference::Picture& picture) {
+    Image image(picture.width, picture.height);
+    for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = vec3(picture.radiance[i]);
+    return image;
+}
+
+PictureComparison compareToReference(const Image& picture, const reference::Picture& expected, double sensitivity) {
+    const Image rounded = roundedImage(expected);
+    std::vector<uint8_t> ties(expected.sensitivity.size());
+    // Written so that a NaN is no tie.
+    for (size_t i = 0; i < ties.size(); ++i) ties[i] = expected.sensitivity[i] > sensitivity;
+    PictureComparison result;
+    result.outsideTies = comparePictures(picture, rounded, ties);
+    result.everywhere = comparePictures(picture, rounded);
+    result.ties = static_cast<uint64_t>(std::count(ties.begin(), ties.end(), 1));
+    return result;
+}
+
+}  // namespace raig
