@@ -1,6 +1,6 @@
 // The measures of difference against closed forms, and FLIP against a second, direct writing-out of the paper's definition.
-#include "base/error.hpp"
 #include "image/metrics.hpp"
+#include "base/error.hpp"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -37,7 +37,8 @@ Image moved(const Image& image, uint32_t width, uint32_t height, const std::func
     return result;
 }
 
-// ---- A second FLIP: two-dimensional filters written out, CIE units, no cleverness ------------------------------------------
+// ---- A second FLIP: two-dimensional filters written out, CIE units, no cleverness
+// ------------------------------------------
 
 using Vec = std::array<double, 3>;
 using Kernel = std::function<double(int, int)>;
@@ -109,12 +110,13 @@ struct DirectFlip {
     double feature(const Image& image, int x, int y, bool point) const {
         const double sd = 0.5 * 0.082 * ppd;
         const int radius = static_cast<int>(std::ceil(3 * sd));
-        const Kernel across = normalised([&](int i, int j) {
-            return (point ? i * i / (sd * sd) - 1 : -i) * std::exp(-(i * i + j * j) / (2 * sd * sd));
-        }, radius);
+        const Kernel across = normalised(
+            [&](int i, int j) { return (point ? i * i / (sd * sd) - 1 : -i) * std::exp(-(i * i + j * j) / (2 * sd * sd)); },
+            radius);
         // The offset 16 of Y cancels, as the weights sum to 0.
         return std::hypot(apply(image, 0, x, y, radius, across),
-                          apply(image, 0, x, y, radius, [&](int i, int j) { return across(j, i); })) / 116;
+                          apply(image, 0, x, y, radius, [&](int i, int j) { return across(j, i); })) /
+               116;
     }
     static double redistributed(double hyabDistance) {
         const double most = std::pow(hyab(huntLab({0, 1, 0}), huntLab({0, 0, 1})), 0.7), e = std::pow(hyabDistance, 0.7);
@@ -128,7 +130,8 @@ struct DirectFlip {
     }
 };
 
-// ---- What holds for all of them ----------------------------------------------------------------------------------------------
+// ---- What holds for all of them
+// ----------------------------------------------------------------------------------------------
 
 TEST(PictureDifference, OfEqualPicturesIsExactlyNothing) {
     for (const auto& [width, height] : {std::pair{1u, 1u}, std::pair{40u, 3u}, std::pair{30u, 20u}}) {
@@ -162,7 +165,10 @@ TEST(PictureDifference, IsSymmetricButForRelmse) {
 TEST(PictureDifference, OfPixelsDoesNotDependOnTheirPlace) {
     const Image a = noise(32, 24, 4), b = noise(32, 24, 5);
     const auto shuffled = [](const Image& image) {
-        return moved(image, 32, 24, [](uint32_t x, uint32_t y) { const uint32_t i = (y * 32 + x) * 5 % 768; return uvec2(i % 32, i / 32); });
+        return moved(image, 32, 24, [](uint32_t x, uint32_t y) {
+            const uint32_t i = (y * 32 + x) * 5 % 768;
+            return uvec2(i % 32, i / 32);
+        });
     };
     const PictureDifference d = comparePictures(a, b), e = comparePictures(shuffled(a), shuffled(b));
     EXPECT_EQ(d.max, e.max);
@@ -175,7 +181,9 @@ TEST(PictureDifference, OfPixelsDoesNotDependOnTheirPlace) {
 TEST(PictureDifference, TurnsAndMirrorsWithThePicture) {
     const Image a = noise(29, 19, 6), b = noise(29, 19, 7);
     const PictureDifference d = comparePictures(a, b);
-    const auto mirrored = [](const Image& i) { return moved(i, 29, 19, [](uint32_t x, uint32_t y) { return uvec2(28 - x, y); }); };
+    const auto mirrored = [](const Image& i) {
+        return moved(i, 29, 19, [](uint32_t x, uint32_t y) { return uvec2(28 - x, y); });
+    };
     const auto turned = [](const Image& i) { return moved(i, 19, 29, [](uint32_t x, uint32_t y) { return uvec2(y, x); }); };
     for (const PictureDifference& e : {comparePictures(mirrored(a), mirrored(b)), comparePictures(turned(a), turned(b))}) {
         EXPECT_NEAR(d.ssim, e.ssim, 1e-12);
@@ -239,7 +247,8 @@ TEST(PictureDifference, LeavesOutTheMaskAndSaysNothingOfNothing) {
     EXPECT_EQ(none.flipP99, 0.0);
 }
 
-// ---- Closed forms ------------------------------------------------------------------------------------------------------------
+// ---- Closed forms
+// ------------------------------------------------------------------------------------------------------------
 
 TEST(PictureDifference, RmseRelmseAndMaxFollowTheirFormulas) {
     Image a(4, 1, vec3(0.5f)), b = a;
@@ -269,7 +278,8 @@ TEST(PictureDifference, SsimOfFlatPicturesIsItsLuminanceTerm) {
     // Without variance: (2 a b + C1) / (a^2 + b^2 + C1), of luma 0.5 and 1.
     const double c1 = 1e-4, want = (2 * 0.5 + c1) / (0.25 + 1 + c1);
     for (const uint32_t size : {1u, 5u, 11u, 30u})
-        EXPECT_NEAR(comparePictures(Image(size, size, vec3(0.21404114f)), Image(size, size, vec3(1.0f))).ssim, want, 1e-7) << size;
+        EXPECT_NEAR(comparePictures(Image(size, size, vec3(0.21404114f)), Image(size, size, vec3(1.0f))).ssim, want, 1e-7)
+            << size;
     EXPECT_NEAR(comparePictures(Image(20, 20), Image(20, 20, vec3(1.0f))).ssim, c1 / (1 + c1), 1e-12);
 }
 
@@ -285,7 +295,11 @@ TEST(PictureDifference, SsimOfOneWindowFollowsItsFormula) {
             for (int x = 0; x < 11; ++x)
                 use(std::exp(-((x - 5) * (x - 5) + (y - 5) * (y - 5)) / 4.5), luma(a.at(x, y)), luma(b.at(x, y)));
     };
-    weigh([&](double w, double p, double q) { whole += w; ma += w * p; mb += w * q; });
+    weigh([&](double w, double p, double q) {
+        whole += w;
+        ma += w * p;
+        mb += w * q;
+    });
     ma /= whole;
     mb /= whole;
     weigh([&](double w, double p, double q) {
@@ -293,11 +307,13 @@ TEST(PictureDifference, SsimOfOneWindowFollowsItsFormula) {
         vb += w * (q - mb) * (q - mb);
         cov += w * (p - ma) * (q - mb);
     });
-    const double want = (2 * ma * mb + 1e-4) * (2 * cov / whole + 9e-4) / ((ma * ma + mb * mb + 1e-4) * (va / whole + vb / whole + 9e-4));
+    const double want =
+        (2 * ma * mb + 1e-4) * (2 * cov / whole + 9e-4) / ((ma * ma + mb * mb + 1e-4) * (va / whole + vb / whole + 9e-4));
     EXPECT_NEAR(comparePictures(a, b).ssim, want, 1e-12);
 }
 
-// ---- FLIP --------------------------------------------------------------------------------------------------------------------
+// ---- FLIP
+// --------------------------------------------------------------------------------------------------------------------
 
 TEST(Flip, OfWhiteAgainstBlackIsItsColourTermAlone) {
     // L* differs by 100, a* and b* by 0: 100^0.7 = 25.1189, beyond the knee at 0.4 of 41.2760 (green against blue, by hand).
@@ -323,7 +339,7 @@ TEST(Flip, OfDarkGreysIsLinear) {
 TEST(Flip, IsThePapersDefinitionWrittenOut) {
     Image a = noise(26, 17, 14), b = noise(26, 17, 15);
     for (size_t i = 0; i < a.pixels.size(); ++i) {
-        if (i % 3) b.pixels[i] = a.pixels[i];             // sparse differences
+        if (i % 3) b.pixels[i] = a.pixels[i];                                 // sparse differences
         if (i % 26 > 16) a.pixels[i] = b.pixels[i] = vec3(0.2f, 0.4f, 0.1f);  // and flat ground to see them spread on
     }
     b.at(22, 9) = {1.0f, 1.0f, 1.0f};
@@ -332,7 +348,8 @@ TEST(Flip, IsThePapersDefinitionWrittenOut) {
         const std::vector<double> values = flipValues(a, b, {}, ppd);
         // The two RGB matrices agree to some 2e-5 (the paper's white point is rounded).
         for (const auto& [x, y] : {std::pair{0, 0}, {25, 16}, {13, 8}, {22, 9}, {20, 9}, {22, 4}, {25, 0}, {5, 15}})
-            EXPECT_NEAR(values[static_cast<size_t>(y * 26 + x)], direct.at(a, b, x, y), 2e-4) << x << ',' << y << " at " << ppd;
+            EXPECT_NEAR(values[static_cast<size_t>(y * 26 + x)], direct.at(a, b, x, y), 2e-4)
+                << x << ',' << y << " at " << ppd;
     }
 }
 
@@ -364,7 +381,8 @@ TEST(Flip, PercentileIsOfNearestRank) {
     EXPECT_EQ(d.flipMax, values[199]);
 }
 
-// ---- The colour map ----------------------------------------------------------------------------------------------------------
+// ---- The colour map
+// ----------------------------------------------------------------------------------------------------------
 
 TEST(FalseColour, GrowsLighterEvenlyAndMarksWhatIsLeftOut) {
     const auto lightness = [](const vec3& c) {

@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "image/formats.hpp"
 
+#include <IexBaseExc.h>
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -10,7 +11,6 @@
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfStandardAttributes.h>
-#include <IexBaseExc.h>
 
 #include <algorithm>
 #include <array>
@@ -132,14 +132,17 @@ void checkHeader(ByteSpan bytes, const std::string& place) {
         if (*name == "dataWindow" && size == 16) {
             int32_t box[4];
             std::memcpy(box, bytes.data() + at, sizeof box);
-            const auto extent = [](int32_t lo, int32_t hi) { return hi < lo ? 0 : static_cast<uint64_t>(int64_t{hi} - lo + 1); };
+            const auto extent = [](int32_t lo, int32_t hi) {
+                return hi < lo ? 0 : static_cast<uint64_t>(int64_t{hi} - lo + 1);
+            };
             // DWA keeps one value of 8 x 8, and deflates that.
             checkSize(extent(box[0], box[2]), extent(box[1], box[3]), bytes.size(), 64 * 1032, place);
             sized = true;
         }
         if (*name == "tiles" && size >= 8) {
             const uint64_t x = loadLittle(bytes.data() + at), y = loadLittle(bytes.data() + at + 4);
-            if (x > 65536 || y > 65536 || x * y > 1u << 24) throw limitError("{}: has tiles of {} x {} pixels, too large to read", place, x, y);
+            if (x > 65536 || y > 65536 || x * y > 1u << 24)
+                throw limitError("{}: has tiles of {} x {} pixels, too large to read", place, x, y);
         }
         if (*name == "channels" && size > 16384) throw limitError("{}: has more channels than can be read", place);
         at += size;
@@ -160,7 +163,8 @@ std::array<const char*, 3> pickChannels(const Imf::ChannelList& channels, const 
     }
     for (const char* name : names) {
         const Imf::Channel& channel = channels[name];
-        if (channel.xSampling != 1 || channel.ySampling != 1) throw inputError(place, "has subsampled channels, which are not read");
+        if (channel.xSampling != 1 || channel.ySampling != 1)
+            throw inputError(place, "has subsampled channels, which are not read");
     }
     return names;
 }
@@ -170,7 +174,8 @@ Image read(ByteSpan bytes, const std::string& place) {
     Imf::InputFile file(stream, /* numThreads= */ 0);
     const Imath::Box2i window = file.header().dataWindow();
     const auto names = pickChannels(file.header().channels(), place);
-    Image image(static_cast<uint32_t>(window.max.x - window.min.x + 1), static_cast<uint32_t>(window.max.y - window.min.y + 1));
+    Image image(static_cast<uint32_t>(window.max.x - window.min.x + 1),
+                static_cast<uint32_t>(window.max.y - window.min.y + 1));
     Imf::FrameBuffer frame;
     const bool grey = names[0] == names[1];
     for (int k = 0; k < (grey ? 1 : 3); ++k) frame.insert(names[k], slice(&image.pixels[0].x + k, 3, window));

@@ -97,7 +97,9 @@ Opponent filterSpatially(const Opponent& in, double pixelsPerDegree) {
 /// CIE L*a*b* of relative XYZ, with a* and b* scaled by L* (Hunt: colours in the dark are less colourful).
 dvec3 toHuntLab(const dvec3& xyz) {
     constexpr double delta = 6.0 / 29.0;
-    const auto f = [](double t) { return t > delta * delta * delta ? std::cbrt(t) : t / (3.0 * delta * delta) + 4.0 / 29.0; };
+    const auto f = [](double t) {
+        return t > delta * delta * delta ? std::cbrt(t) : t / (3.0 * delta * delta) + 4.0 / 29.0;
+    };
     const dvec3 v(f(xyz.x), f(xyz.y), f(xyz.z));
     const double lightness = 116.0 * v.y - 16.0;
     return {lightness, 0.01 * lightness * 500.0 * (v.x - v.y), 0.01 * lightness * 200.0 * (v.y - v.z)};
@@ -119,7 +121,8 @@ dvec3 seenColour(const Opponent& filtered, size_t i) {
 
 /// Section 4.1.3: distances up to 0.4 of the largest take up [0, 0.95], the rest what is left.
 double redistribute(double distance) {
-    static const double largest = colourDistance(toHuntLab(toRelativeXyz()[1]), toHuntLab(toRelativeXyz()[2]));  // green, blue
+    static const double largest =
+        colourDistance(toHuntLab(toRelativeXyz()[1]), toHuntLab(toRelativeXyz()[2]));  // green, blue
     constexpr double pt = 0.95;
     const double knee = 0.4 * largest;
     return distance < knee ? pt / knee * distance : pt + (distance - knee) / (largest - knee) * (1.0 - pt);
@@ -154,7 +157,8 @@ Features findFeatures(const Plane& luminance, double pixelsPerDegree) {
 
     const Plane smoothed = filterRows(luminance, smooth);
     const auto length = [](Plane a, const Plane& b) {
-        for (size_t i = 0; i < a.values.size(); ++i) a.values[i] = std::sqrt(a.values[i] * a.values[i] + b.values[i] * b.values[i]);
+        for (size_t i = 0; i < a.values.size(); ++i)
+            a.values[i] = std::sqrt(a.values[i] * a.values[i] + b.values[i] * b.values[i]);
         return a;
     };
     return {length(filterColumns(filterRows(luminance, first), smooth), filterColumns(smoothed, first)),
@@ -168,7 +172,8 @@ std::vector<double> flip(const Pair& pair, double pixelsPerDegree) {
     const Opponent test = toOpponent(pair.test), reference = toOpponent(pair.reference);
     const Features testFeatures = findFeatures(test.y, pixelsPerDegree);
     const Features referenceFeatures = findFeatures(reference.y, pixelsPerDegree);
-    const Opponent testSeen = filterSpatially(test, pixelsPerDegree), referenceSeen = filterSpatially(reference, pixelsPerDegree);
+    const Opponent testSeen = filterSpatially(test, pixelsPerDegree),
+                   referenceSeen = filterSpatially(reference, pixelsPerDegree);
 
     std::vector<double> values(pair.kept.size());
     forRows(pair.test.height, [&](size_t y) {

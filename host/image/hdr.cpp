@@ -55,7 +55,8 @@ Bytes encodeHdr(const Image& image, const Notes& notes) {
     std::string comments;
     for (const auto& [key, value] : notes) {
         std::string line = fmt::format("# {}: {}", key, value);
-        std::replace_if(line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r' || c == '\0'; }, ' ');
+        std::replace_if(
+            line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r' || c == '\0'; }, ' ');
         comments += line + '\n';
     }
     whole.insert(whole.find('\n') + 1, comments);  // after the first line, which names the format
@@ -122,7 +123,8 @@ void readRow(Reader& in, std::vector<Rgbe>& row) {
     const Rgbe first = pixel();
     const bool runs = row.size() >= 8 && row.size() < 32768 && first[0] == 2 && first[1] == 2 && first[2] < 128;
     if (runs) {
-        if (size_t{first[2]} * 256 + first[3] != row.size()) throw inputError(in.place, "is damaged: a row has another width");
+        if (size_t{first[2]} * 256 + first[3] != row.size())
+            throw inputError(in.place, "is damaged: a row has another width");
         for (int channel = 0; channel < 4; ++channel) readRuns(in, row, channel);
         return;
     }
@@ -145,7 +147,8 @@ vec3 toColour(const Rgbe& p) {
 Image decodeHdr(ByteSpan bytes, const std::string& place) {
     Reader in{bytes, place};
     const std::string magic = in.line();
-    if (magic != "#?RADIANCE" && magic != "#?RGBE") throw inputError(place, "is no Radiance picture: it begins with {:.20}", magic);
+    if (magic != "#?RADIANCE" && magic != "#?RGBE")
+        throw inputError(place, "is no Radiance picture: it begins with {:.20}", magic);
     for (std::string line = in.line(); !line.empty(); line = in.line())
         if (line.starts_with("FORMAT=") && line != "FORMAT=32-bit_rle_rgbe")
             throw inputError(place, "has the pixels of {:.40}; only FORMAT=32-bit_rle_rgbe is read", line);

@@ -13,13 +13,14 @@ namespace raig {
 namespace image {
 
 void checkSize(uint64_t width, uint64_t height, uint64_t bytesHeld, uint64_t pixelsPerByte, const std::string& place) {
-    if (width == 0 || height == 0) throw inputError(place, "is a picture of {} x {} pixels: there is nothing in it", width, height);
+    if (width == 0 || height == 0)
+        throw inputError(place, "is a picture of {} x {} pixels: there is nothing in it", width, height);
     if (width > 65536 || height > 65536 || width * height > largestPicture)
-        throw limitError("{}: is a picture of {} x {} pixels; at most {} pixels, 65536 a side, can be read", place, width, height,
-                         largestPicture);
+        throw limitError("{}: is a picture of {} x {} pixels; at most {} pixels, 65536 a side, can be read", place, width,
+                         height, largestPicture);
     if (width * height / pixelsPerByte > bytesHeld)
-        throw inputError(place, "promises {} x {} pixels, but its {} bytes cannot hold them: it is cut short or damaged", width,
-                         height, bytesHeld);
+        throw inputError(place, "promises {} x {} pixels, but its {} bytes cannot hold them: it is cut short or damaged",
+                         width, height, bytesHeld);
 }
 
 bool startsWith(ByteSpan bytes, std::string_view magic) {
@@ -46,10 +47,14 @@ std::vector<std::byte> encodePicture(const Image& image, PictureFormat format, c
         RAIG_CHECK(std::all_of(key.begin(), key.end(), [](char c) { return c >= ' ' && c <= '~'; }));
     }
     switch (format) {
-        case PictureFormat::png: return image::encodePng(image, notes);
-        case PictureFormat::hdr: return image::encodeHdr(image, notes);
-        case PictureFormat::exr: return image::encodeExr(image, notes);
-        case PictureFormat::pfm: return image::encodePfm(image);
+        case PictureFormat::png:
+            return image::encodePng(image, notes);
+        case PictureFormat::hdr:
+            return image::encodeHdr(image, notes);
+        case PictureFormat::exr:
+            return image::encodeExr(image, notes);
+        case PictureFormat::pfm:
+            return image::encodePfm(image);
     }
     RAIG_CHECK(!"a picture format");
     return {};
@@ -74,6 +79,8 @@ Image decodePicture(std::span<const std::byte> bytes, const std::string& place) 
     throw inputError(place, "is none of the pictures that can be read: png, jpg, hdr, exr, pfm");
 }
 
-Image readPicture(const std::filesystem::path& path) { return decodePicture(readFile(path), path.string()); }
+Image readPicture(const std::filesystem::path& path) {
+    return decodePicture(readFile(path), path.string());
+}
 
 }  // namespace raig

@@ -16,8 +16,8 @@ namespace image {
 
 Pair prepare(const Image& test, const Image& reference, PixelMask leaveOut) {
     if (test.width != reference.width || test.height != reference.height)
-        throw inputError("the pictures", "differ in size, {} x {} and {} x {}: only pictures of one size can be compared", test.width,
-                         test.height, reference.width, reference.height);
+        throw inputError("the pictures", "differ in size, {} x {} and {} x {}: only pictures of one size can be compared",
+                         test.width, test.height, reference.width, reference.height);
     RAIG_CHECK_OP(test.pixels.size(), ==, size_t{test.width} * test.height);
     RAIG_CHECK_OP(reference.pixels.size(), ==, test.pixels.size());
     RAIG_CHECK(leaveOut.empty() || leaveOut.size() == test.pixels.size());
@@ -113,7 +113,8 @@ double similarity(const Pair& pair) {
     const auto blur = [&](const Plane& plane) { return filterColumns(filterRows(plane, window), window); };
 
     const Plane a = lumaOf(pair.test), b = lumaOf(pair.reference);
-    const Plane meanA = blur(a), meanB = blur(b), squaresA = blur(product(a, a)), squaresB = blur(product(b, b)), both = blur(product(a, b));
+    const Plane meanA = blur(a), meanB = blur(b), squaresA = blur(product(a, a)), squaresB = blur(product(b, b)),
+                both = blur(product(a, b));
     const size_t marginX = a.width > 2 * radius ? radius : 0, marginY = a.height > 2 * radius ? radius : 0;
     double sum = 0.0;
     uint64_t count = 0;
@@ -124,7 +125,8 @@ double similarity(const Pair& pair) {
             const double ma = meanA.values[i], mb = meanB.values[i];
             const double varianceA = squaresA.values[i] - ma * ma, varianceB = squaresB.values[i] - mb * mb;
             const double covariance = both.values[i] - ma * mb;
-            sum += (2.0 * ma * mb + c1) * (2.0 * covariance + c2) / ((ma * ma + mb * mb + c1) * (varianceA + varianceB + c2));
+            sum +=
+                (2.0 * ma * mb + c1) * (2.0 * covariance + c2) / ((ma * ma + mb * mb + c1) * (varianceA + varianceB + c2));
             ++count;
         }
     return count == 0 ? 1.0 : sum / static_cast<double>(count);
@@ -181,14 +183,24 @@ std::vector<double> absoluteDifference(const Image& test, const Image& reference
 vec3 magma(double value) {
     if (std::isnan(value)) return {0.0f, 1.0f, 0.0f};
     // sRGB bytes of the map at 0, 0.1 ... 1.
-    static constexpr std::array<std::array<uint8_t, 3>, 11> stops = {{{0, 0, 4}, {20, 14, 54}, {59, 15, 112}, {100, 26, 128},
-        {140, 41, 129}, {183, 55, 121}, {222, 73, 104}, {247, 112, 92}, {254, 159, 109}, {254, 207, 146}, {252, 253, 191}}};
+    static constexpr std::array<std::array<uint8_t, 3>, 11> stops = {{{0, 0, 4},
+                                                                      {20, 14, 54},
+                                                                      {59, 15, 112},
+                                                                      {100, 26, 128},
+                                                                      {140, 41, 129},
+                                                                      {183, 55, 121},
+                                                                      {222, 73, 104},
+                                                                      {247, 112, 92},
+                                                                      {254, 159, 109},
+                                                                      {254, 207, 146},
+                                                                      {252, 253, 191}}};
     const double place = std::clamp(value, 0.0, 1.0) * (stops.size() - 1);
     const size_t below = std::min(static_cast<size_t>(place), stops.size() - 2);
     const double part = place - static_cast<double>(below);
     vec3 colour;
     for (int k = 0; k < 3; ++k)
-        colour[k] = static_cast<float>(srgb::toLinear(((1.0 - part) * stops[below][k] + part * stops[below + 1][k]) / 255.0));
+        colour[k] =
+            static_cast<float>(srgb::toLinear(((1.0 - part) * stops[below][k] + part * stops[below + 1][k]) / 255.0));
     return colour;
 }
 

@@ -21,8 +21,8 @@ struct PictureDifference {
     double max = 0.0;     ///< largest absolute difference of a channel, linear light
     double rmse = 0.0;    ///< root of the mean squared difference of the channels, linear light
     double relmse = 0.0;  ///< mean of (a - b)^2 / (b^2 + 0.01) over the channels, b the reference [Rousselle et al. 2011]
-    double psnr = 0.0;    ///< dB: 10 log10(1 / mean squared difference) of sRGB values clamped to [0, 1], not rounded to bytes
-    double ssim = 1.0;    ///< mean structural similarity of sRGB luma [Wang et al. 2004]
+    double psnr = 0.0;  ///< dB: 10 log10(1 / mean squared difference) of sRGB values clamped to [0, 1], not rounded to bytes
+    double ssim = 1.0;  ///< mean structural similarity of sRGB luma [Wang et al. 2004]
     double flipMean = 0.0;
     double flipP99 = 0.0;  ///< 99th percentile, nearest rank
     double flipMax = 0.0;

@@ -21,7 +21,9 @@ Bytes encodePfm(const Image& image) {
 
 namespace {
 
-bool isSpace(char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
+bool isSpace(char c) {
+    return c == ' ' || c == '\n' || c == '\r' || c == '\t';
+}
 
 /// The header's words, parted by white space. The last is followed by exactly one such byte.
 struct Words {
@@ -54,11 +56,12 @@ float load(const std::byte* at, bool little) {
 Image decodePfm(ByteSpan bytes, const std::string& place) {
     const size_t headerLimit = std::min<size_t>(bytes.size(), 256);
     Words words{{reinterpret_cast<const char*>(bytes.data()), headerLimit}};
-    const std::string_view magic = words.next(), widthWord = words.next(), heightWord = words.next(), scaleWord = words.next();
+    const std::string_view magic = words.next(), widthWord = words.next(), heightWord = words.next(),
+                           scaleWord = words.next();
     uint32_t width = 0, height = 0;
     double scale = 0.0;
-    if ((magic != "PF" && magic != "Pf") || !parse(widthWord, width) || !parse(heightWord, height) || !parse(scaleWord, scale) ||
-        !(std::abs(scale) > 0.0) || words.at >= headerLimit)
+    if ((magic != "PF" && magic != "Pf") || !parse(widthWord, width) || !parse(heightWord, height) ||
+        !parse(scaleWord, scale) || !(std::abs(scale) > 0.0) || words.at >= headerLimit)
         throw inputError(place, "has no PFM header: PF or Pf, width, height and a scale that is not 0 should begin it");
 
     // The scale's sign is the byte order; its magnitude is a unit that no reader agrees on, and is left alone.

@@ -57,7 +57,8 @@ inline Plane filterColumns(const Plane& in, const Weights& weights) {
         double* to = out.row(y);
         for (size_t i = 0; i < weights.size(); ++i) {
             const int64_t from = static_cast<int64_t>(y) + static_cast<int64_t>(i) - radius;
-            const double* row = in.row(static_cast<size_t>(std::clamp<int64_t>(from, 0, static_cast<int64_t>(in.height) - 1)));
+            const double* row =
+                in.row(static_cast<size_t>(std::clamp<int64_t>(from, 0, static_cast<int64_t>(in.height) - 1)));
             for (size_t x = 0; x < in.width; ++x) to[x] += weights[i] * row[x];
         }
     });

@@ -99,7 +99,8 @@ void appendNote(Bytes& bytes, const std::string& key, std::string value) {
 class ByteTable {
 public:
     ByteTable() {
-        for (size_t k = 0; k < thresholds.size(); ++k) thresholds[k] = srgb::toLinear((static_cast<double>(k) + 0.5) / 255.0);
+        for (size_t k = 0; k < thresholds.size(); ++k)
+            thresholds[k] = srgb::toLinear((static_cast<double>(k) + 0.5) / 255.0);
         for (uint32_t i = 0; i < first.size(); ++i) first[i] = advance(0, std::bit_cast<float>((i + lowest) << 15));
     }
     /// Requires `linear` not NaN.
@@ -253,7 +254,8 @@ Image decodeSrgb(ByteSpan bytes, const std::string& place) {
         stbi_image_free);
     if (!samples) throw inputError(place, "cannot be read as a picture ({}): it is cut short or damaged", reason());
     if (source.beyond) throw inputError(place, "is cut short: the picture goes on where the file ends");
-    if (gotWidth != width || gotHeight != height) throw inputError(place, "is damaged: it gives its size twice, differently");
+    if (gotWidth != width || gotHeight != height)
+        throw inputError(place, "is damaged: it gives its size twice, differently");
 
     Image image(static_cast<uint32_t>(width), static_cast<uint32_t>(height));
     if (deep)

@@ -55,7 +55,9 @@ public:
     }
 
 private:
-    Error fault(const char* what) const { return inputError(place, "is damaged: its NumPy header has {} at character {}", what, at); }
+    Error fault(const char* what) const {
+        return inputError(place, "is damaged: its NumPy header has {} at character {}", what, at);
+    }
 
     void skipSpace() {
         while (at < text.size() && (text[at] == ' ' || text[at] == '\n')) ++at;
@@ -133,12 +135,14 @@ std::pair<std::string_view, size_t> splitHeader(std::span<const std::byte> bytes
     if (!text.starts_with(magic)) throw inputError(place, "is no NumPy .npy file: write it with numpy.save");
     if (text.size() < 10) throw inputError(place, "is cut short: its NumPy header does not end");
     const int major = static_cast<unsigned char>(text[6]), minor = static_cast<unsigned char>(text[7]);
-    if (major < 1 || major > 3 || minor != 0) throw inputError(place, "is of .npy version {}.{}; 1.0, 2.0 and 3.0 are read", major, minor);
+    if (major < 1 || major > 3 || minor != 0)
+        throw inputError(place, "is of .npy version {}.{}; 1.0, 2.0 and 3.0 are read", major, minor);
     const size_t lengthBytes = major == 1 ? 2 : 4;
     uint32_t length = 0;
     if (text.size() >= 8 + lengthBytes) std::memcpy(&length, text.data() + 8, lengthBytes);
     const size_t begin = 8 + lengthBytes;
-    if (text.size() < begin || length > text.size() - begin) throw inputError(place, "is cut short: its NumPy header does not end");
+    if (text.size() < begin || length > text.size() - begin)
+        throw inputError(place, "is cut short: its NumPy header does not end");
     return {text.substr(begin, length), begin + length};
 }
 
@@ -186,8 +190,8 @@ NpyFloats parseNpyFloats(std::span<const std::byte> bytes, size_t columns, const
     const size_t held = bytes.size() - begin;
     const size_t rowBytes = columns * sizeof(float);
     if (held % rowBytes != 0 || held / rowBytes != shape[0])
-        throw inputError(place, "holds {} bytes of data, but shape {} takes {} bytes a row: it is cut short or damaged", held,
-                         describe(shape), rowBytes);
+        throw inputError(place, "holds {} bytes of data, but shape {} takes {} bytes a row: it is cut short or damaged",
+                         held, describe(shape), rowBytes);
     NpyFloats result;
     result.rows = static_cast<size_t>(shape[0]);
     result.columns = columns;
@@ -202,8 +206,8 @@ NpyFloats readNpyFloats(const std::filesystem::path& path, size_t columns) {
 
 std::vector<std::byte> encodeNpyHits(std::span<const NpyHit> hits) {
     const std::string fields = "[('t', '<f4'), ('u', '<f4'), ('v', '<f4'), ('primitive', '<u4'), ('instance', '<u4')]";
-    return join(makeHeader(fmt::format("{{'descr': {}, 'fortran_order': False, 'shape': ({},), }}", fields, hits.size())), hits.data(),
-                hits.size_bytes());
+    return join(makeHeader(fmt::format("{{'descr': {}, 'fortran_order': False, 'shape': ({},), }}", fields, hits.size())),
+                hits.data(), hits.size_bytes());
 }
 
 void writeNpyHits(const std::filesystem::path& path, std::span<const NpyHit> hits) {
@@ -212,7 +216,8 @@ void writeNpyHits(const std::filesystem::path& path, std::span<const NpyHit> hit
 
 std::vector<std::byte> encodeNpyFloats(std::span<const float> values, size_t columns) {
     RAIG_CHECK(columns > 0 && values.size() % columns == 0);
-    return join(makeHeader(fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}), }}", values.size() / columns, columns)),
+    return join(makeHeader(fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}), }}",
+                                       values.size() / columns, columns)),
                 values.data(), values.size_bytes());
 }
 
