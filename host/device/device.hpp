@@ -73,7 +73,7 @@ const std::vector<DeviceInfo>& listDevices();
 std::optional<DeviceInfo> chooseDevice(std::string_view wanted);
 
 struct DeviceOptions {
-    std::optional<bool> loadsTexel;  ///< instead of DeviceInfo::prefersTexel, where the device can
+    std::optional<bool> loadsTexel = std::nullopt;  ///< instead of DeviceInfo::prefersTexel, where the device can
     uint64_t largestBindingElements =
         0;                         ///< pretends one binding of a BigArray holds no more than these (tests); 0: as it is
     bool stagesTransfers = false;  ///< copies through a staging buffer even where memory could be mapped (tests)
