@@ -172,5 +172,19 @@ TEST(CompleteScene, ExtremeScenesGetFiniteCameras) {
     EXPECT_NEAR(farthestInFrame(far.cameras[0], far.meshes[0].positions), 0.95, 0.1);
 }
 
+TEST(CornellBoxes, AreWholeAsTheyAre) {
+    for (const auto& [name, triangles] : {std::pair("cornell_box.gltf", 32u), std::pair("cornell_spheres.gltf", 12u + 2 * 1280u)}) {
+        const Scene scene = importScene(std::filesystem::path(RAIG_SOURCE_DIR) / "assets" / name);
+        EXPECT_TRUE(scene.remarks.empty()) << name << ": " << scene.remarks.front();
+        EXPECT_TRUE(scene.lights.empty()) << "the lamp is all the light there is";
+        const Geometry geometry = flatten(scene);
+        EXPECT_EQ(geometry.triangles.size(), triangles);
+        EXPECT_EQ(geometry.dropped.zeroArea + geometry.dropped.nonFinite, 0u);
+        EXPECT_EQ(scene.cameras.at(0).eye, vec3(278, 273, -800));
+        EXPECT_NEAR(scene.cameras.at(0).forward.z, 1.0f, 1e-6f);
+        EXPECT_NEAR(scene.cameras.at(0).yfov, 2.0f * std::atan(0.0125f / 0.035f), 1e-6f);
+    }
+}
+
 }  // namespace
 }  // namespace raig
