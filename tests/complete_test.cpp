@@ -45,7 +45,8 @@ TEST(ThreeQuarterView, IsTheTightestThatHoldsEveryPointInTheMiddle95Percent) {
     std::mt19937 random(1);
     for (int round = 0; round < 500; ++round) {
         std::uniform_real_distribution<float> coordinate(-1.0f, 1.0f);
-        const vec3 shape(1.0f + coordinate(random), 0.01f + std::abs(coordinate(random)), std::exp(2.0f * coordinate(random)));
+        const vec3 shape(1.0f + coordinate(random), 0.01f + std::abs(coordinate(random)),
+                         std::exp(2.0f * coordinate(random)));
         std::vector<vec3> points;
         Box box;
         for (int i = 0; i < 20; ++i) {
@@ -148,7 +149,8 @@ TEST(CompleteScene, AnEmittingTriangleIsALightAnUnusedMaterialIsNone) {
 }
 
 TEST(CompleteScene, SceneWithNothingToSeeGetsACameraAllTheSame) {
-    for (Scene scene : {Scene{}, triangleScene({nan, 0, 0}, {1, 0, 0}, {0, 1, 0}), triangleScene({0, 0, 0}, {1, 1, 1}, {2, 2, 2})}) {
+    for (Scene scene :
+         {Scene{}, triangleScene({nan, 0, 0}, {1, 0, 0}, {0, 1, 0}), triangleScene({0, 0, 0}, {1, 1, 1}, {2, 2, 2})}) {
         completeScene(scene);
         ASSERT_EQ(scene.cameras.size(), 1u);
         EXPECT_EQ(findFault(scene), std::nullopt);
@@ -173,7 +175,8 @@ TEST(CompleteScene, ExtremeScenesGetFiniteCameras) {
 }
 
 TEST(CornellBoxes, AreWholeAsTheyAre) {
-    for (const auto& [name, triangles] : {std::pair("cornell_box.gltf", 32u), std::pair("cornell_spheres.gltf", 12u + 2 * 1280u)}) {
+    for (const auto& [name, triangles] :
+         {std::pair("cornell_box.gltf", 32u), std::pair("cornell_spheres.gltf", 12u + 2 * 1280u)}) {
         const Scene scene = importScene(std::filesystem::path(RAIG_SOURCE_DIR) / "assets" / name);
         EXPECT_TRUE(scene.remarks.empty()) << name << ": " << scene.remarks.front();
         EXPECT_TRUE(scene.lights.empty()) << "the lamp is all the light there is";

@@ -14,7 +14,9 @@ namespace {
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-dmat4 scaling(const dvec3& s) { return dmat4(dvec4(s.x, 0, 0, 0), dvec4(0, s.y, 0, 0), dvec4(0, 0, s.z, 0), dvec4(0, 0, 0, 1)); }
+dmat4 scaling(const dvec3& s) {
+    return dmat4(dvec4(s.x, 0, 0, 0), dvec4(0, s.y, 0, 0), dvec4(0, 0, s.z, 0), dvec4(0, 0, 0, 1));
+}
 
 dmat4 translation(const dvec3& by) {
     dmat4 m(1.0);
@@ -143,7 +145,9 @@ TEST(Geometry, CollinearCornersAreUnusableHoweverTheyLie) {
 TEST(Geometry, ThinTrianglesOfAnySizeAreUsable) {
     for (const float scale : {1e-30f, 1e-6f, 1.0f, 1e6f, 1e17f}) {
         EXPECT_TRUE(isUsable({0, 0, 0}, {scale, 0, 0}, {0.5f * scale, 1e-6f * scale, 0})) << scale;
-        EXPECT_TRUE(isUsable(vec3(scale), vec3(scale) + vec3(scale, 0, 0), vec3(scale, std::nextafter(scale, infinity), scale))) << scale;
+        EXPECT_TRUE(
+            isUsable(vec3(scale), vec3(scale) + vec3(scale, 0, 0), vec3(scale, std::nextafter(scale, infinity), scale)))
+            << scale;
     }
     EXPECT_TRUE(isUsable({0, 0, 0}, {1e-45f, 0, 0}, {0, 1e-45f, 0})) << "of the smallest numbers there are";
     EXPECT_TRUE(isUsable({-1.8e18f, 0, 0}, {1.8e18f, 0, 0}, {0, 1.8e18f, 0}));
@@ -154,7 +158,8 @@ TEST(Geometry, IdsCountInstancesThenTriangles) {
     two.triangles.push_back({2, 1, 0});
     two.materials.push_back(1);
     const Mesh none;
-    const Geometry g = flatten(sceneOf({two, none}, {{1, dmat4(1.0)}, {0, dmat4(1.0)}, {1, dmat4(1.0)}, {0, translation({5, 0, 0})}, {1, dmat4(1.0)}}));
+    const Geometry g = flatten(sceneOf(
+        {two, none}, {{1, dmat4(1.0)}, {0, dmat4(1.0)}, {1, dmat4(1.0)}, {0, translation({5, 0, 0})}, {1, dmat4(1.0)}}));
     ASSERT_EQ(g.triangles.size(), 4u);
     EXPECT_EQ(g.firstTriangle, (std::vector<uint32_t>{0, 0, 2, 2, 4, 4}));
     EXPECT_EQ(g.materials, (std::vector<uint32_t>{0, 1, 0, 1}));

@@ -1,7 +1,7 @@
 /// PLY and STL: what is read, and what is refused with which line.
+#include "support/mesh_files.hpp"
 #include "scene/import.hpp"
 #include "scene/validate.hpp"
-#include "support/mesh_files.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -19,7 +19,9 @@ Scene loadPly(std::string_view content) {
     return scene;
 }
 
-std::string refusalOfPly(std::string_view content) { return refusalOf(importPly, "scene.ply", content); }
+std::string refusalOfPly(std::string_view content) {
+    return refusalOf(importPly, "scene.ply", content);
+}
 
 // ---- PLY ---------------------------------------------------------------------------------------------------------------
 
@@ -35,8 +37,10 @@ void put(std::string& body, T value, bool bigEndian) {
 const std::string mixedHeader =
     "comment any order, any type\n"
     "element extra 2\nproperty list ushort double values\nproperty short one\n"
-    "element vertex 4\nproperty uchar blue\nproperty double z\nproperty int16 x\nproperty float confidence\nproperty float y\n"
-    "property uchar green\nproperty uint8 red\nproperty float s\nproperty float t\nproperty float nz\nproperty float ny\nproperty float nx\n"
+    "element vertex 4\nproperty uchar blue\nproperty double z\nproperty int16 x\nproperty float confidence\nproperty float "
+    "y\n"
+    "property uchar green\nproperty uint8 red\nproperty float s\nproperty float t\nproperty float nz\nproperty float "
+    "ny\nproperty float nx\n"
     "element none 4000000000\n"
     "element face 3\nproperty uchar flags\nproperty list uint16 uint32 vertex_index\nproperty list char float weights\n"
     "end_header\n";
@@ -71,8 +75,7 @@ std::string mixedBinary(bool bigEndian) {
 
 std::string mixedAscii() {
     std::string s = "ply\nformat ascii 1.0\n" + mixedHeader + "2 1.5 2.5 -3\n2 1.5 2.5 -3\n";
-    for (int i = 0; i < 4; ++i)
-        s += fmt::format("255 {} {} 9 {} 0 128 0.25 0.25 2 0 0\n", 0.25 * i, i * i - 300, i + 0.5);
+    for (int i = 0; i < 4; ++i) s += fmt::format("255 {} {} 9 {} 0 128 0.25 0.25 2 0 0\n", 0.25 * i, i * i - 300, i + 0.5);
     return s + "7 4 0 1 2 3 1 0.5\n7 3 3 2 1 1 0.5\n7 2 0 1 1 0.5\n";
 }
 
@@ -104,8 +107,8 @@ TEST(Ply, EveryTruncationOfABinaryFileIsRefused) {
 
 std::string plyTriangle(const std::string& vertexCount, const std::string& face, const std::string& body) {
     return "ply\nformat ascii 1.0\nelement vertex " + vertexCount +
-           "\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list " + face + " vertex_indices\nend_header\n" +
-           body;
+           "\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list " + face +
+           " vertex_indices\nend_header\n" + body;
 }
 
 TEST(Ply, CountsAreCheckedBeforeAnythingIsAllocated) {
@@ -117,7 +120,8 @@ TEST(Ply, CountsAreCheckedBeforeAnythingIsAllocated) {
 
 TEST(Ply, NamesTheLineOrTheFaceOfAWrongIndex) {
     EXPECT_TRUE(refusalOfPly(plyTriangle("3", "uchar int", "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n")).starts_with("scene.ply:13: "));
-    EXPECT_TRUE(refusalOfPly(plyTriangle("3", "uchar int", "0 0 0\n1 0 0\n0 1 0\n3 0 -1 2\n")).starts_with("scene.ply:13: "));
+    EXPECT_TRUE(
+        refusalOfPly(plyTriangle("3", "uchar int", "0 0 0\n1 0 0\n0 1 0\n3 0 -1 2\n")).starts_with("scene.ply:13: "));
     EXPECT_TRUE(refusalOfPly(plyTriangle("3", "uchar int", "0 0 0\n1 0 x\n0 1 0\n3 0 1 2\n")).starts_with("scene.ply:11: "));
     std::string binary = mixedBinary(false);
     binary[binary.size() - 5 - 4 - 4] = 9;  // the last face's first corner
@@ -128,15 +132,19 @@ TEST(Ply, RefusesAMalformedHeaderWithItsLine) {
     EXPECT_TRUE(refusalOfPly("ply\nformat utf8 1.0\nend_header\n").starts_with("scene.ply:2: "));
     EXPECT_TRUE(refusalOfPly("ply\nformat ascii 1.0\nelement vertex three\nend_header\n").starts_with("scene.ply:3: "));
     EXPECT_TRUE(refusalOfPly("ply\nformat ascii 1.0\nproperty float x\nend_header\n").starts_with("scene.ply:3: "));
-    EXPECT_TRUE(refusalOfPly("ply\nformat ascii 1.0\nelement vertex 0\nproperty quad x\nend_header\n").starts_with("scene.ply:4: "));
-    EXPECT_TRUE(refusalOfPly("ply\nformat ascii 1.0\nelement f 0\nproperty list float int x\nend_header\n").starts_with("scene.ply:4: "));
+    EXPECT_TRUE(
+        refusalOfPly("ply\nformat ascii 1.0\nelement vertex 0\nproperty quad x\nend_header\n").starts_with("scene.ply:4: "));
+    EXPECT_TRUE(refusalOfPly("ply\nformat ascii 1.0\nelement f 0\nproperty list float int x\nend_header\n")
+                    .starts_with("scene.ply:4: "));
     EXPECT_TRUE(refusalOfPly("ply\nformat ascii 1.0\nelement a 0\nelement a 0\nend_header\n").starts_with("scene.ply:4: "));
     for (const char* content : {"", "ply", "ply\n", "plx\nend_header\n", "ply\nend_header\n", "ply\nformat ascii 1.0\n"})
         EXPECT_NE(refusalOfPly(content), "") << content;
 }
 
 TEST(Ply, PointCloudsLoadAndAreCounted) {
-    const Scene scene = loadPly("ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0 1 nan 1");
+    const Scene scene = loadPly(
+        "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0 1 "
+        "nan 1");
     EXPECT_EQ(scene.otherPrimitives, 2u);
     EXPECT_TRUE(scene.meshes[0].triangles.empty());
 }
@@ -145,7 +153,10 @@ TEST(Ply, ReadsFilesWithCarriageReturnsOnly) {
     std::string body;
     for (const float value : {10.0f, 0.0f, 0.0f}) put(body, value, false);
     body[0] = '\n';  // a data byte that a line reader would swallow
-    const Scene scene = loadPly("ply\rformat binary_little_endian 1.0\relement vertex 1\rproperty float x\rproperty float y\rproperty float z\rend_header\r" + body);
+    const Scene scene = loadPly(
+        "ply\rformat binary_little_endian 1.0\relement vertex 1\rproperty float x\rproperty float y\rproperty float "
+        "z\rend_header\r" +
+        body);
     float x = 0;
     std::memcpy(&x, body.data(), sizeof x);
     EXPECT_EQ(scene.meshes[0].positions.at(0).x, x);
@@ -173,7 +184,8 @@ std::string asciiStl(const std::vector<vec3>& points, size_t solids) {
     for (size_t i = 0; i + 2 < points.size(); i += 3) {
         if (i == 0 || solids > 1) s += "Solid any name facet\n";
         s += " facet NORMAL nan nan nan\n  outer loop\n";
-        for (int corner = 0; corner < 3; ++corner) s += fmt::format("vertex {} {} {}\n", points[i + corner].x, points[i + corner].y, points[i + corner].z);
+        for (int corner = 0; corner < 3; ++corner)
+            s += fmt::format("vertex {} {} {}\n", points[i + corner].x, points[i + corner].y, points[i + corner].z);
         s += "  endloop\n endfacet\n";
         if (i + 3 >= points.size() || solids > 1) s += "endsolid any name facet\n";
     }
@@ -192,7 +204,8 @@ TEST(Stl, AsciiAndBinaryGiveTheSameTriangles) {
 
 TEST(Stl, EveryTruncationIsRefused) {
     const Folder folder;
-    for (const std::string& whole : {asciiStl(twoTriangles, 1), binaryStl("", 2, twoTriangles), binaryStl("solid", 2, twoTriangles)}) {
+    for (const std::string& whole :
+         {asciiStl(twoTriangles, 1), binaryStl("", 2, twoTriangles), binaryStl("solid", 2, twoTriangles)}) {
         const size_t end = whole.starts_with("Solid") ? whole.find("endsolid") + 8 : whole.size();
         for (size_t length = 0; length < end; ++length) {
             if (whole.starts_with("Solid") && length == 0) continue;

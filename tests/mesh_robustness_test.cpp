@@ -161,7 +161,8 @@ TEST(MeshFiles, FlippedBytesLoadOrAreRefused) {
                 // Digits and separators do more harm to a text than bytes that no word may hold.
                 static constexpr std::string_view harmful = "0123456789-+./e \n\\#\xff";
                 char& byte = damaged[random() % damaged.size()];
-                byte = random() % 2 == 0 ? harmful[random() % harmful.size()] : static_cast<char>(byte ^ (1u << random() % 8));
+                byte =
+                    random() % 2 == 0 ? harmful[random() % harmful.size()] : static_cast<char>(byte ^ (1u << random() % 8));
             }
             trianglesOf(folder.write("damaged" + file.extension().string(), damaged));
             ASSERT_FALSE(HasFailure()) << file << " round " << round;
@@ -176,10 +177,12 @@ TEST(MeshFiles, LibrariesOfAnyContentLeaveTheSceneUsable) {
     const std::string whole = contentOf(scenesFolder / "bad/tinyobjloader/models/texture-options-issue-85.mtl") +
                               contentOf(scenesFolder / "bad/tinyobjloader/models/pbr-mat-ext.mtl") +
                               contentOf(scenesFolder / "bad/tinyobjloader/models/tr-and-d-issue-43.mtl");
-    const fs::path scene = folder.write("s.obj", "mtllib s.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl default\nf 1 2 3\nusemtl pbr\nf 1 2 3\n");
+    const fs::path scene =
+        folder.write("s.obj", "mtllib s.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl default\nf 1 2 3\nusemtl pbr\nf 1 2 3\n");
     for (int round = 0; round < 2000; ++round) {
         std::string damaged = whole.substr(0, random() % whole.size());
-        for (int flips = 0; flips < 8 && !damaged.empty(); ++flips) damaged[random() % damaged.size()] = static_cast<char>(random());
+        for (int flips = 0; flips < 8 && !damaged.empty(); ++flips)
+            damaged[random() % damaged.size()] = static_cast<char>(random());
         folder.write("s.mtl", damaged);
         ASSERT_EQ(trianglesOf(scene), 2u);
     }

@@ -17,7 +17,9 @@ Scene loadObj(std::string_view content) {
     return scene;
 }
 
-std::string refusalOfObj(std::string_view content) { return refusalOf(importObj, "scene.obj", content); }
+std::string refusalOfObj(std::string_view content) {
+    return refusalOf(importObj, "scene.obj", content);
+}
 
 // ---- OBJ ---------------------------------------------------------------------------------------------------------------
 
@@ -30,7 +32,8 @@ TEST(Obj, FansPolygonsFromTheirFirstCorner) {
 }
 
 TEST(Obj, KeepsFileOrderAcrossGroupsObjectsAndMaterials) {
-    const Scene scene = loadObj(fiveVertices + "g one\nusemtl a\nf 1 2 3\no two\nusemtl b\nf 2 3 4\ng one\nusemtl a\nf 3 4 5\n");
+    const Scene scene =
+        loadObj(fiveVertices + "g one\nusemtl a\nf 1 2 3\no two\nusemtl b\nf 2 3 4\ng one\nusemtl a\nf 3 4 5\n");
     ASSERT_EQ(scene.meshes.size(), 1u);
     ASSERT_EQ(scene.instances.size(), 1u);
     EXPECT_EQ(scene.meshes[0].materials, (std::vector<uint32_t>{0, 1, 0}));
@@ -54,18 +57,20 @@ TEST(Obj, NamesTheLineOfAWrongIndex) {
     EXPECT_TRUE(refusalOfObj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\nf 1 2 3\n").starts_with("scene.obj:5: "));
     EXPECT_TRUE(refusalOfObj("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 0\r\n").starts_with("scene.obj:4: "));
     EXPECT_TRUE(refusalOfObj("v 0 0 0\nv 1 0 0\nv 0 1 0\n\\\n\nf 1/1 2/1 3/1\n").starts_with("scene.obj:6: "));
-    for (const char* face : {"f 1 2 x", "f 1 2 3x", "f 1 2 1.5", "f 1 2 99999999999999999999", "f 1 2 2147483648", "f 1//1 2 3",
-                             "f /1 2 3", "f 1/1/1/1 2 3", "f 1 2 -4", "f 1 2 --1"})
+    for (const char* face : {"f 1 2 x", "f 1 2 3x", "f 1 2 1.5", "f 1 2 99999999999999999999", "f 1 2 2147483648",
+                             "f 1//1 2 3", "f /1 2 3", "f 1/1/1/1 2 3", "f 1 2 -4", "f 1 2 --1"})
         EXPECT_TRUE(refusalOfObj("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + std::string(face)).starts_with("scene.obj:4: ")) << face;
 }
 
 TEST(Obj, NamesTheLineOfAWrongNumber) {
-    for (const char* statement : {"v 1 2 abc", "v 1 2", "v", "v 1 2 3.1+e2", "v 1 2 +-3", "v 1,5 2 3", "vn 1 2", "vt", "vt x", "v 0x1p3 0 0"})
+    for (const char* statement :
+         {"v 1 2 abc", "v 1 2", "v", "v 1 2 3.1+e2", "v 1 2 +-3", "v 1,5 2 3", "vn 1 2", "vt", "vt x", "v 0x1p3 0 0"})
         EXPECT_TRUE(refusalOfObj("\n" + std::string(statement) + "\n").starts_with("scene.obj:2: ")) << statement;
 }
 
 TEST(Obj, ReadsEverySpellingOfANumber) {
-    const Scene scene = loadObj("v +1 2. .5\nv -1e2 2.E+1 1e-2\nv nan -inf 1e39\nv 1.#INF -1.#IND 1e-50\nf 1 2 3\nf 2 3 4\n");
+    const Scene scene =
+        loadObj("v +1 2. .5\nv -1e2 2.E+1 1e-2\nv nan -inf 1e39\nv 1.#INF -1.#IND 1e-50\nf 1 2 3\nf 2 3 4\n");
     const std::vector<vec3> at = corners(scene);
     EXPECT_EQ(at[0], vec3(1.0f, 2.0f, 0.5f));
     EXPECT_EQ(at[1], vec3(-100.0f, 20.0f, 0.01f));
@@ -181,16 +186,20 @@ TEST(Mtl, EmissionAndDefaults) {
 
 TEST(Mtl, MalformedStatementsAreRemarkedWithTheirLine) {
     std::vector<std::string> remarks;
-    const auto materials = readMtl("newmtl m\nKd nan 0 0\nKd .1 .2\nNs x\nd\nKs 1e99 0 0\nKe spectral a.rfl\n", "m.mtl", remarks);
+    const auto materials =
+        readMtl("newmtl m\nKd nan 0 0\nKd .1 .2\nNs x\nd\nKs 1e99 0 0\nKe spectral a.rfl\n", "m.mtl", remarks);
     ASSERT_EQ(remarks.size(), 6u);
     for (size_t i = 0; i < 6; ++i) EXPECT_TRUE(remarks[i].starts_with("m.mtl:" + std::to_string(i + 2) + ":")) << remarks[i];
-    EXPECT_FALSE(materials.at(0).kd || materials.at(0).ks || materials.at(0).ke || materials.at(0).ns || materials.at(0).opacity);
+    EXPECT_FALSE(materials.at(0).kd || materials.at(0).ks || materials.at(0).ke || materials.at(0).ns ||
+                 materials.at(0).opacity);
 }
 
 TEST(Mtl, FindsTheFileNameBehindTheOptions) {
-    for (const char* options : {"", "-clamp on", "-o 0.1", "-s 1 2 3 -t 0.1 0.2", "-blendu on -mm 0 1", "-type sphere", "-texres 512"}) {
+    for (const char* options :
+         {"", "-clamp on", "-o 0.1", "-s 1 2 3 -t 0.1 0.2", "-blendu on -mm 0 1", "-type sphere", "-texres 512"}) {
         std::vector<std::string> remarks;
-        const auto materials = readMtl("newmtl m\nmap_Kd " + std::string(options) + " dir\\my image.png \n", "m.mtl", remarks);
+        const auto materials =
+            readMtl("newmtl m\nmap_Kd " + std::string(options) + " dir\\my image.png \n", "m.mtl", remarks);
         EXPECT_EQ(materials.at(0).kdMap, "dir/my image.png") << options;
         EXPECT_EQ(materials.at(0).clampsKdMap, std::string_view(options) == "-clamp on");
     }
@@ -202,10 +211,12 @@ const std::string oneFace = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n"
 
 TEST(Mtl, ReadsLibrariesAndImagesBesideTheSceneOnce) {
     const Folder folder;
-    folder.write("sub dir/my lib.mtl", "newmtl a b\nKd .5 .5 .5\nmap_Kd ..\\t\\i.tga\nnewmtl c\nmap_Kd ../t/i.tga\nnewmtl unused\nmap_Kd no.tga\n");
+    folder.write(
+        "sub dir/my lib.mtl",
+        "newmtl a b\nKd .5 .5 .5\nmap_Kd ..\\t\\i.tga\nnewmtl c\nmap_Kd ../t/i.tga\nnewmtl unused\nmap_Kd no.tga\n");
     folder.write("t/i.tga", tinyImage);
-    const Scene scene =
-        importObj(folder.write("s.obj", "mtllib sub dir\\my lib.mtl\nusemtl a b \n" + oneFace + "usemtl c\nf 1 2 3\nusemtl a b\nf 1 2 3\n"));
+    const Scene scene = importObj(folder.write(
+        "s.obj", "mtllib sub dir\\my lib.mtl\nusemtl a b \n" + oneFace + "usemtl c\nf 1 2 3\nusemtl a b\nf 1 2 3\n"));
     EXPECT_EQ(findFault(scene), std::nullopt);
     EXPECT_TRUE(scene.remarks.empty()) << scene.remarks.front();
     ASSERT_EQ(scene.images.size(), 1u);
@@ -219,7 +230,8 @@ TEST(Mtl, SeveralLibrariesInOneStatement) {
     const Folder folder;
     folder.write("a.mtl", "newmtl a\nKd 1 0 0\n");
     folder.write("b.mtl", "newmtl b\nKd 0 1 0\n");
-    const Scene scene = importObj(folder.write("s.obj", "usemtl b\n" + oneFace + "usemtl a\nf 1 2 3\nmtllib a.mtl missing.mtl b.mtl\n"));
+    const Scene scene =
+        importObj(folder.write("s.obj", "usemtl b\n" + oneFace + "usemtl a\nf 1 2 3\nmtllib a.mtl missing.mtl b.mtl\n"));
     EXPECT_EQ(scene.materials.at(0).baseColor, vec3(0, 1, 0));
     EXPECT_EQ(scene.materials.at(1).baseColor, vec3(1, 0, 0));
     EXPECT_EQ(scene.remarks.size(), 1u);
@@ -233,8 +245,9 @@ TEST(Mtl, NothingOutsideTheScenesFolderIsRead) {
     folder.write("secret.tga", tinyImage);
     folder.write("in/l.mtl", "newmtl b\nmap_Kd ../secret.tga\n");
     const std::string absolute = (folder.write("x", "").parent_path() / "secret.mtl").string();
-    const Scene scene = importObj(folder.write(
-        "in/s.obj", "mtllib ../secret.mtl\nmtllib x/../../secret.mtl\nmtllib " + absolute + "\nmtllib l.mtl\nusemtl a\n" + oneFace + "usemtl b\nf 1 2 3\n"));
+    const Scene scene =
+        importObj(folder.write("in/s.obj", "mtllib ../secret.mtl\nmtllib x/../../secret.mtl\nmtllib " + absolute +
+                                               "\nmtllib l.mtl\nusemtl a\n" + oneFace + "usemtl b\nf 1 2 3\n"));
     EXPECT_EQ(scene.materials.at(0).baseColor, vec3(0.8f));
     EXPECT_TRUE(scene.images.empty());
     EXPECT_EQ(scene.remarks.size(), 5u) << "three libraries, one material, one image";

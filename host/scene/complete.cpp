@@ -52,14 +52,15 @@ void addCamera(Scene& scene) {
 
 bool emits(const Scene& scene) {
     std::vector<bool> emitting;
-    for (const Material& material : scene.materials) emitting.push_back(glm::any(glm::greaterThan(material.emission, vec3(0.0f))));
+    for (const Material& material : scene.materials)
+        emitting.push_back(glm::any(glm::greaterThan(material.emission, vec3(0.0f))));
     return std::ranges::any_of(scene.instances, [&](const Instance& instance) {
         return std::ranges::any_of(scene.meshes[instance.mesh].materials, [&](uint32_t index) { return emitting[index]; });
     });
 }
 
-/// A directional light whose irradiance of pi makes a white diffuse surface that faces it exactly 1 bright, and a sky, so that
-/// mirrors and glass have something to show.
+/// A directional light whose irradiance of pi makes a white diffuse surface that faces it exactly 1 bright, and a sky, so
+/// that mirrors and glass have something to show.
 void addLight(Scene& scene) {
     Light headlight;
     headlight.type = Light::Type::directional;

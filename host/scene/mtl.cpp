@@ -18,7 +18,9 @@ namespace fs = std::filesystem;
 constexpr size_t largestLibrary = size_t{256} << 20;
 constexpr size_t largestImageFile = size_t{256} << 20;
 
-float luminance(const vec3& c) { return glm::dot(c, vec3(0.2126f, 0.7152f, 0.0722f)); }
+float luminance(const vec3& c) {
+    return glm::dot(c, vec3(0.2126f, 0.7152f, 0.0722f));
+}
 
 /// A finite number, or nothing.
 std::optional<float> readNumber(text::Words& words) {
@@ -172,8 +174,8 @@ std::vector<Library> loadLibraries(Scene& scene, const fs::path& folder, const s
         for (const std::string& name : filesNamed(folder, statement)) {
             const auto inside = pathInside({}, name);
             if (!inside) {
-                scene.remarks.push_back(fmt::format("the material library {} lies outside the scene's folder and is not read",
-                                                    text::quoted(name)));
+                scene.remarks.push_back(fmt::format(
+                    "the material library {} lies outside the scene's folder and is not read", text::quoted(name)));
                 continue;
             }
             if (std::ranges::find(seen, *inside) != seen.end()) continue;
@@ -252,7 +254,8 @@ void addMtlMaterials(Scene& scene, const fs::path& folder, const std::vector<std
                     material.baseColorTexture = Texture{*image, wrap, wrap};
             }
         } else if (!name.empty()) {
-            scene.remarks.push_back(fmt::format("no library defines the material {}: a default one stands in", text::quoted(name)));
+            scene.remarks.push_back(
+                fmt::format("no library defines the material {}: a default one stands in", text::quoted(name)));
         }
         scene.materials.push_back(std::move(material));
     }

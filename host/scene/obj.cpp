@@ -28,9 +28,9 @@ struct ObjFile {
     std::vector<vec3> positions, normals, colors;
     std::vector<vec2> uvs;
     std::vector<Corner> corners;
-    std::vector<size_t> faceEnds;           ///< of each face of at least 3 corners, in `corners`
-    std::vector<uint32_t> faceMaterials;    ///< an index into materialNames
-    std::vector<std::string> materialNames; ///< in order of first use by a face; "" before any usemtl
+    std::vector<size_t> faceEnds;            ///< of each face of at least 3 corners, in `corners`
+    std::vector<uint32_t> faceMaterials;     ///< an index into materialNames
+    std::vector<std::string> materialNames;  ///< in order of first use by a face; "" before any usemtl
     std::vector<std::string> libraries;
     uint64_t otherPrimitives = 0;
     size_t unknownStatements = 0;
@@ -45,7 +45,9 @@ public:
 
 private:
     [[nodiscard]] std::string place() const { return fmt::format("{}:{}", file_, statements_.line()); }
-    size_t count(Kind kind) const { return kind == position ? s_.positions.size() : kind == uv ? s_.uvs.size() : s_.normals.size(); }
+    size_t count(Kind kind) const {
+        return kind == position ? s_.positions.size() : kind == uv ? s_.uvs.size() : s_.normals.size();
+    }
 
     void readOne(text::Words& words);
     size_t readNumbers(text::Words& words, std::span<float> numbers, size_t least, std::string_view what);
@@ -121,7 +123,8 @@ size_t Reader::readNumbers(text::Words& words, std::span<float> numbers, size_t 
         if (!value) throw inputError(place(), "{} is not a number (expected: {})", text::quoted(word), what);
         if (found < numbers.size()) numbers[found++] = *value;
     }
-    if (found < least) throw inputError(place(), "{} numbers where at least {} are needed (expected: {})", found, least, what);
+    if (found < least)
+        throw inputError(place(), "{} numbers where at least {} are needed (expected: {})", found, least, what);
     return found;
 }
 
@@ -161,15 +164,16 @@ Corner Reader::readCorner(std::string_view word) {
         if (slash == std::string_view::npos) return corner;
         left.remove_prefix(slash + 1);
     }
-    throw inputError(place(), "{} has too many parts for a corner (expected: v, v/vt, v//vn or v/vt/vn)", text::quoted(word));
+    throw inputError(place(), "{} has too many parts for a corner (expected: v, v/vt, v//vn or v/vt/vn)",
+                     text::quoted(word));
 }
 
 uint32_t Reader::readIndex(std::string_view digits, std::string_view word, Kind kind) {
     const auto written = text::parseInteger(digits);
     const auto known = static_cast<int64_t>(count(kind));
     if (!written || *written == 0)
-        throw inputError(place(), "{} is not an index in the corner {} (indices are whole numbers but 0)", text::quoted(digits),
-                         text::quoted(word));
+        throw inputError(place(), "{} is not an index in the corner {} (indices are whole numbers but 0)",
+                         text::quoted(digits), text::quoted(word));
     if (*written < -known)
         throw inputError(place(), "the corner {} reaches back {} '{}' statements, of which there are {} before it",
                          text::quoted(word), -*written, statementOf[kind], known);
@@ -182,7 +186,8 @@ uint32_t Reader::readIndex(std::string_view digits, std::string_view word, Kind 
 
 uint32_t Reader::currentMaterial() {
     if (material_ == absent) {
-        const auto [entry, isNew] = materialIndices_.try_emplace(materialName_, static_cast<uint32_t>(s_.materialNames.size()));
+        const auto [entry, isNew] =
+            materialIndices_.try_emplace(materialName_, static_cast<uint32_t>(s_.materialNames.size()));
         if (isNew) s_.materialNames.push_back(materialName_);
         material_ = entry->second;
     }
@@ -272,7 +277,8 @@ Mesh buildMesh(const ObjFile& s, const std::string& name, std::vector<std::strin
         }
         begin = s.faceEnds[face];
     }
-    if (welder.fill(mesh)) remarks.push_back(fmt::format("{}: normals or texture coordinates that are no numbers are left out", name));
+    if (welder.fill(mesh))
+        remarks.push_back(fmt::format("{}: normals or texture coordinates that are no numbers are left out", name));
     return mesh;
 }
 
@@ -285,8 +291,8 @@ Scene importObj(const std::filesystem::path& path) {
     Scene scene;
     scene.otherPrimitives = file.otherPrimitives;
     if (file.unknownStatements > 0)
-        scene.remarks.push_back(
-            fmt::format("{} statements of unknown kind left out, the first at {}", file.unknownStatements, file.firstUnknown));
+        scene.remarks.push_back(fmt::format("{} statements of unknown kind left out, the first at {}",
+                                            file.unknownStatements, file.firstUnknown));
     scene.meshes.push_back(buildMesh(file, path.filename(), scene.remarks));
     scene.instances.push_back({});
     if (file.materialNames.empty()) file.materialNames.emplace_back();

@@ -5,12 +5,15 @@
 /// count, in file order. Other statements are left out with a remark. Polygons are fanned from their first corner.
 ///
 /// MTL (Kd the diffuse and Ks the specular colour, Ns the exponent, d the opacity, Tf the filter, Ni the index):
-///     glass     d < 1, or illum 6 or 7 with Tf and Ni > 1.0001: transmission 1, roughness 0, not thin, ior Ni (1.5 if Ni <= 1.0001),
+///     glass     d < 1, or illum 6 or 7 with Tf and Ni > 1.0001: transmission 1, roughness 0, not thin, ior Ni (1.5 if Ni
+///     <= 1.0001),
 ///               baseColor Tf if given, else 1 - d (1 - Kd): the less opaque, the whiter
-///     mirror    illum 3, 5 or 8 with Ks > 0: baseColor Kd + Ks (at most 1) and metallic Y(Ks) / Y(Kd + Ks), Y the luminance, so that
-///               surfaceOf gives back a mirror of about Ks and a diffuse part of about Kd; roughness sqrt(2 / (Ns + 2)) [Walter et al. 2007,
-///               "Microfacet Models for Refraction through Rough Surfaces"], 0 without Ns
-///     the rest  baseColor Kd; roughness 1 for illum 0 and 1 or without Ns, else as above but at least 0.5, as exporters write a
+///     mirror    illum 3, 5 or 8 with Ks > 0: baseColor Kd + Ks (at most 1) and metallic Y(Ks) / Y(Kd + Ks), Y the
+///     luminance, so that
+///               surfaceOf gives back a mirror of about Ks and a diffuse part of about Kd; roughness sqrt(2 / (Ns + 2))
+///               [Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces"], 0 without Ns
+///     the rest  baseColor Kd; roughness 1 for illum 0 and 1 or without Ns, else as above but at least 0.5, as exporters
+///     write a
 ///               highlight (Ks, Ns) for nearly everything under illum 2, and few of those are mirrors
 /// emission is Ke; map_Kd multiplies Kd, its options skipped but for -clamp. Kd is 0.8 where it is not given, 1 under a map.
 #pragma once
@@ -42,9 +45,9 @@ std::vector<MtlMaterial> readMtl(std::string_view text, const std::string& place
 /// The mapping above, without the texture. Ensures: all numbers finite and in Material's ranges.
 Material toMaterial(const MtlMaterial& material);
 
-/// Reads the libraries that an OBJ file in `folder` names (each a statement's argument: one file name, or several) and appends
-/// to `scene` one material for each of `names`, in that order, with their images. An empty name, and one that no library
-/// defines, gives a default material. What is missing, unreadable or outside `folder` becomes a remark.
+/// Reads the libraries that an OBJ file in `folder` names (each a statement's argument: one file name, or several) and
+/// appends to `scene` one material for each of `names`, in that order, with their images. An empty name, and one that no
+/// library defines, gives a default material. What is missing, unreadable or outside `folder` becomes a remark.
 void addMtlMaterials(Scene& scene, const std::filesystem::path& folder, const std::vector<std::string>& libraries,
                      const std::vector<std::string>& names);
 

@@ -22,12 +22,15 @@ using namespace ply;
 class BinaryBody {
 public:
     BinaryBody(std::span<const std::byte> bytes, const Header& header, std::string file)
-        : left_(bytes), swaps_((header.encoding == Encoding::binaryBigEndian) == (std::endian::native == std::endian::little)),
+        : left_(bytes),
+          swaps_((header.encoding == Encoding::binaryBigEndian) == (std::endian::native == std::endian::little)),
           file_(std::move(file)) {}
 
     size_t left() const { return left_.size(); }
     static size_t leastSize(Type type) { return sizeOf(type); }
-    std::string place(const Element& element, uint64_t entry) const { return fmt::format("{}: {} {}", file_, element.name, entry); }
+    std::string place(const Element& element, uint64_t entry) const {
+        return fmt::format("{}: {} {}", file_, element.name, entry);
+    }
 
     double read(Type type, const Element& element, uint64_t entry) {
         std::array<std::byte, 8> raw{};
@@ -37,14 +40,22 @@ public:
         left_ = left_.subspan(size);
         if (swaps_) std::reverse(raw.data(), raw.data() + size);
         switch (type) {
-            case Type::int8: return as<int8_t>(raw);
-            case Type::uint8: return as<uint8_t>(raw);
-            case Type::int16: return as<int16_t>(raw);
-            case Type::uint16: return as<uint16_t>(raw);
-            case Type::int32: return as<int32_t>(raw);
-            case Type::uint32: return as<uint32_t>(raw);
-            case Type::float32: return as<float>(raw);
-            case Type::float64: break;
+            case Type::int8:
+                return as<int8_t>(raw);
+            case Type::uint8:
+                return as<uint8_t>(raw);
+            case Type::int16:
+                return as<int16_t>(raw);
+            case Type::uint16:
+                return as<uint16_t>(raw);
+            case Type::int32:
+                return as<int32_t>(raw);
+            case Type::uint32:
+                return as<uint32_t>(raw);
+            case Type::float32:
+                return as<float>(raw);
+            case Type::float64:
+                break;
         }
         return as<double>(raw);
     }
@@ -81,7 +92,8 @@ public:
         } else if (const auto value = text::parseFloat(word)) {
             return *value;
         }
-        throw inputError(place(element, entry), "{} is no {}", text::quoted(word), isInteger(type) ? "whole number" : "number");
+        throw inputError(place(element, entry), "{} is no {}", text::quoted(word),
+                         isInteger(type) ? "whole number" : "number");
     }
 
 private:
@@ -93,9 +105,17 @@ private:
 enum Slot : size_t { x, y, z, nx, ny, nz, u, v, red, green, blue, slotCount };
 
 size_t slotOf(const Property& property) {
-    static constexpr std::array<std::array<std::string_view, 4>, slotCount> names{{
-        {"x"}, {"y"}, {"z"}, {"nx"}, {"ny"}, {"nz"}, {"u", "s", "texture_u", "texture_s"}, {"v", "t", "texture_v", "texture_t"},
-        {"red", "r", "diffuse_red"}, {"green", "g", "diffuse_green"}, {"blue", "b", "diffuse_blue"}}};
+    static constexpr std::array<std::array<std::string_view, 4>, slotCount> names{{{"x"},
+                                                                                   {"y"},
+                                                                                   {"z"},
+                                                                                   {"nx"},
+                                                                                   {"ny"},
+                                                                                   {"nz"},
+                                                                                   {"u", "s", "texture_u", "texture_s"},
+                                                                                   {"v", "t", "texture_v", "texture_t"},
+                                                                                   {"red", "r", "diffuse_red"},
+                                                                                   {"green", "g", "diffuse_green"},
+                                                                                   {"blue", "b", "diffuse_blue"}}};
     if (!property.isList)
         for (size_t slot = 0; slot < slotCount; ++slot)
             if (std::ranges::find(names[slot], property.name) != names[slot].end()) return slot;
@@ -104,7 +124,8 @@ size_t slotOf(const Property& property) {
 
 /// Integers are sRGB-encoded fractions of their type's largest value; floats are linear. What is out of range is clamped.
 float decodeColor(double value, Type type) {
-    if (!isInteger(type)) return value > 0.0 ? static_cast<float>(std::min<double>(value, std::numeric_limits<float>::max())) : 0.0f;
+    if (!isInteger(type))
+        return value > 0.0 ? static_cast<float>(std::min<double>(value, std::numeric_limits<float>::max())) : 0.0f;
     const size_t bits = 8 * sizeOf(type) - (type == Type::int8 || type == Type::int16 || type == Type::int32 ? 1 : 0);
     return linearFromSrgb(static_cast<float>(value / (std::exp2(static_cast<double>(bits)) - 1.0)));
 }
@@ -120,9 +141,12 @@ public:
             if (element.name == "vertex") vertexCount_ = element.count;
         for (const Element& element : header_.elements) {
             checkCount(element);
-            if (element.name == "vertex") readVertices(element);
-            else if (element.name == "face") readFaces(element);
-            else skip(element);
+            if (element.name == "vertex")
+                readVertices(element);
+            else if (element.name == "face")
+                readFaces(element);
+            else
+                skip(element);
         }
     }
 
@@ -131,14 +155,16 @@ private:
     void checkCount(const Element& element) const {
         const size_t least = leastSize(element, header_.encoding);
         if (least > 0 && element.count > body_.left() / least)
-            throw inputError(file_, "announces {} entries of {}, more than the {} bytes that are left can hold: cut off or damaged",
+            throw inputError(file_,
+                             "announces {} entries of {}, more than the {} bytes that are left can hold: cut off or damaged",
                              element.count, text::quoted(element.name), body_.left());
     }
 
     uint64_t readLength(const Property& property, const Element& element, uint64_t entry) {
         const double length = body_.read(property.countType, element, entry);
         if (length < 0.0 || length > static_cast<double>(body_.left() / Body::leastSize(property.type)))
-            throw inputError(body_.place(element, entry), "announces a list of {} values, more than the file can hold", length);
+            throw inputError(body_.place(element, entry), "announces a list of {} values, more than the file can hold",
+                             length);
         return static_cast<uint64_t>(length);
     }
 
@@ -159,7 +185,8 @@ private:
     }
 
     void readVertices(const Element& element) {
-        if (element.count > 0xfffffffe) throw limitError("{}: {} vertices, at most {} can be read", file_, element.count, 0xfffffffe);
+        if (element.count > 0xfffffffe)
+            throw limitError("{}: {} vertices, at most {} can be read", file_, element.count, 0xfffffffe);
         std::array<bool, slotCount> has{};
         std::vector<size_t> slots;
         for (const Property& property : element.properties) {
@@ -178,9 +205,12 @@ private:
             std::array<double, slotCount> value{};
             for (size_t p = 0; p < slots.size(); ++p) {
                 const Property& property = element.properties[p];
-                if (slots[p] == slotCount) skipProperty(property, element, i);
-                else if (slots[p] >= red) value[slots[p]] = decodeColor(body_.read(property.type, element, i), property.type);
-                else value[slots[p]] = body_.read(property.type, element, i);
+                if (slots[p] == slotCount)
+                    skipProperty(property, element, i);
+                else if (slots[p] >= red)
+                    value[slots[p]] = decodeColor(body_.read(property.type, element, i), property.type);
+                else
+                    value[slots[p]] = body_.read(property.type, element, i);
             }
             mesh_.positions.emplace_back(value[x], value[y], value[z]);
             if (hasNormals) addNormal({value[nx], value[ny], value[nz]});
@@ -203,7 +233,8 @@ private:
         size_t list = element.properties.size();
         for (size_t p = 0; p < element.properties.size(); ++p) {
             const Property& property = element.properties[p];
-            if (property.isList && isInteger(property.type) && (property.name == "vertex_indices" || property.name == "vertex_index"))
+            if (property.isList && isInteger(property.type) &&
+                (property.name == "vertex_indices" || property.name == "vertex_index"))
                 list = p;
         }
         if (list == element.properties.size() && element.count > 0)
@@ -211,8 +242,10 @@ private:
         mesh_.triangles.reserve(element.count);
         for (uint64_t i = 0; i < element.count; ++i)
             for (size_t p = 0; p < element.properties.size(); ++p) {
-                if (p == list) readCorners(element.properties[p], element, i);
-                else skipProperty(element.properties[p], element, i);
+                if (p == list)
+                    readCorners(element.properties[p], element, i);
+                else
+                    skipProperty(element.properties[p], element, i);
             }
     }
 
@@ -224,7 +257,8 @@ private:
         for (uint64_t i = 0; i < corners; ++i) {
             const double written = body_.read(property.type, element, face);
             if (written < 0.0 || written >= static_cast<double>(vertexCount_))
-                throw inputError(body_.place(element, face), "names vertex {}, but there are {} (counted from 0)", written, vertexCount_);
+                throw inputError(body_.place(element, face), "names vertex {}, but there are {} (counted from 0)", written,
+                                 vertexCount_);
             const auto corner = static_cast<uint32_t>(written);
             if (i == 0) first = corner;
             if (i >= 2) mesh_.triangles.emplace_back(first, before, corner);
@@ -255,7 +289,9 @@ Scene importPly(const std::filesystem::path& path) {
     if (header.encoding == Encoding::ascii) {
         BodyReader(AsciiBody(content.substr(header.bodyOffset), header, path), header, path, scene).read();
     } else {
-        BodyReader(BinaryBody(std::span<const std::byte>(bytes).subspan(header.bodyOffset), header, path), header, path, scene).read();
+        BodyReader(BinaryBody(std::span<const std::byte>(bytes).subspan(header.bodyOffset), header, path), header, path,
+                   scene)
+            .read();
     }
     mesh.materials.assign(mesh.triangles.size(), 0);
     if (mesh.triangles.empty()) scene.otherPrimitives += mesh.positions.size();  // a cloud of points

@@ -13,9 +13,14 @@ namespace {
 constexpr size_t longestHeader = size_t{1} << 20;
 
 std::optional<Type> parseType(std::string_view word) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 8> names{
-        {{"char", "int8"}, {"uchar", "uint8"}, {"short", "int16"}, {"ushort", "uint16"},
-         {"int", "int32"}, {"uint", "uint32"}, {"float", "float32"}, {"double", "float64"}}};
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 8> names{{{"char", "int8"},
+                                                                                         {"uchar", "uint8"},
+                                                                                         {"short", "int16"},
+                                                                                         {"ushort", "uint16"},
+                                                                                         {"int", "int32"},
+                                                                                         {"uint", "uint32"},
+                                                                                         {"float", "float32"},
+                                                                                         {"double", "float64"}}};
     for (size_t i = 0; i < names.size(); ++i)
         if (word == names[i].first || word == names[i].second) return static_cast<Type>(i);
     return std::nullopt;
@@ -63,17 +68,23 @@ private:
         }
         ++line_;
         const size_t end = lineEnd_.empty() ? std::string_view::npos : content_.substr(0, longestHeader).find(lineEnd_, at_);
-        if (end == std::string_view::npos) throw inputError(place_, "is no PLY file, or cut off: its header has no 'end_header'");
+        if (end == std::string_view::npos)
+            throw inputError(place_, "is no PLY file, or cut off: its header has no 'end_header'");
         const std::string_view line = content_.substr(at_, end - at_);
         at_ = end + lineEnd_.size();
         return line;
     }
 
     void readFormat(std::string_view word) {
-        if (word == "ascii") header_.encoding = Encoding::ascii;
-        else if (word == "binary_little_endian") header_.encoding = Encoding::binaryLittleEndian;
-        else if (word == "binary_big_endian") header_.encoding = Encoding::binaryBigEndian;
-        else throw fault("the format {} is unknown (expected: ascii, binary_little_endian or binary_big_endian)", text::quoted(word));
+        if (word == "ascii")
+            header_.encoding = Encoding::ascii;
+        else if (word == "binary_little_endian")
+            header_.encoding = Encoding::binaryLittleEndian;
+        else if (word == "binary_big_endian")
+            header_.encoding = Encoding::binaryBigEndian;
+        else
+            throw fault("the format {} is unknown (expected: ascii, binary_little_endian or binary_big_endian)",
+                        text::quoted(word));
     }
 
     void readElement(text::Words& words) {
@@ -123,7 +134,9 @@ size_t sizeOf(Type type) {
     return sizes[static_cast<size_t>(type)];
 }
 
-Header readHeader(std::string_view content, const std::string& place) { return HeaderReader(content, place).read(); }
+Header readHeader(std::string_view content, const std::string& place) {
+    return HeaderReader(content, place).read();
+}
 
 size_t leastSize(const Element& element, Encoding encoding) {
     // In text, every value takes a character and all but the file's last a blank.

@@ -12,7 +12,9 @@ namespace raig::ply {
 enum class Encoding { ascii, binaryLittleEndian, binaryBigEndian };
 enum class Type { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
-inline bool isInteger(Type type) { return type < Type::float32; }
+inline bool isInteger(Type type) {
+    return type < Type::float32;
+}
 /// In bytes, in binary files.
 size_t sizeOf(Type type);
 

@@ -64,7 +64,8 @@ private:
     void check(std::string_view word, std::string_view expected) const {
         if (text::equalsIgnoringCase(word, expected)) return;
         if (word.empty()) throw inputError(file_, "ends where '{}' should follow: the file is cut off", expected);
-        throw inputError(fmt::format("{}:{}", file_, words_.line()), "{} where '{}' should stand", text::quoted(word), expected);
+        throw inputError(fmt::format("{}:{}", file_, words_.line()), "{} where '{}' should stand", text::quoted(word),
+                         expected);
     }
 
     float readCoordinate() {
@@ -130,8 +131,8 @@ Scene importStl(const std::filesystem::path& path) {
     } else if (bytes.size() < headerSize) {
         throw inputError(path, "is no STL file: it neither begins with 'solid' nor has the 84 bytes of a binary header");
     } else {
-        throw inputError(path, "announces {} facets, which take {} bytes, but holds {} bytes: cut off or damaged", facets, binarySize,
-                         bytes.size());
+        throw inputError(path, "announces {} facets, which take {} bytes, but holds {} bytes: cut off or damaged", facets,
+                         binarySize, bytes.size());
     }
     return scene;
 }

@@ -51,7 +51,8 @@ std::string errorOf(const Load& load) {
 }
 
 /// As errorOf for `import` of a file `name` with this content, without the folder in front.
-inline std::string refusalOf(Scene (*import)(const std::filesystem::path&), const std::string& name, std::string_view content) {
+inline std::string refusalOf(Scene (*import)(const std::filesystem::path&), const std::string& name,
+                             std::string_view content) {
     const Folder folder;
     const std::filesystem::path path = folder.write(name, content);
     const std::string error = errorOf([&] { import(path); });
