@@ -31,12 +31,18 @@ float loadFloat(const std::byte* from, int type, bool normalized) {
         return normalized ? static_cast<float>(value) / largest : static_cast<float>(value);
     };
     switch (type) {
-        case TINYGLTF_COMPONENT_TYPE_BYTE: return signedValue(load<int8_t>(from), 127.0f);
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return unsignedValue(load<uint8_t>(from), 255.0f);
-        case TINYGLTF_COMPONENT_TYPE_SHORT: return signedValue(load<int16_t>(from), 32767.0f);
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return unsignedValue(load<uint16_t>(from), 65535.0f);
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return unsignedValue(load<uint32_t>(from), 4294967295.0f);
-        default: return load<float>(from);
+        case TINYGLTF_COMPONENT_TYPE_BYTE:
+            return signedValue(load<int8_t>(from), 127.0f);
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+            return unsignedValue(load<uint8_t>(from), 255.0f);
+        case TINYGLTF_COMPONENT_TYPE_SHORT:
+            return signedValue(load<int16_t>(from), 32767.0f);
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+            return unsignedValue(load<uint16_t>(from), 65535.0f);
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+            return unsignedValue(load<uint32_t>(from), 4294967295.0f);
+        default:
+            return load<float>(from);
     }
 }
 
@@ -95,24 +101,34 @@ std::vector<Vector> readVectors(const Document& document, int index, float fill)
 size_t componentBytes(int type) {
     switch (type) {
         case TINYGLTF_COMPONENT_TYPE_BYTE:
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return 1;
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+            return 1;
         case TINYGLTF_COMPONENT_TYPE_SHORT:
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return 2;
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+            return 2;
         case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-        case TINYGLTF_COMPONENT_TYPE_FLOAT: return 4;
-        default: return 0;
+        case TINYGLTF_COMPONENT_TYPE_FLOAT:
+            return 4;
+        default:
+            return 0;
     }
 }
 
 size_t componentCount(int type) {
     switch (type) {
-        case TINYGLTF_TYPE_SCALAR: return 1;
-        case TINYGLTF_TYPE_VEC2: return 2;
-        case TINYGLTF_TYPE_VEC3: return 3;
+        case TINYGLTF_TYPE_SCALAR:
+            return 1;
+        case TINYGLTF_TYPE_VEC2:
+            return 2;
+        case TINYGLTF_TYPE_VEC3:
+            return 3;
         case TINYGLTF_TYPE_VEC4:
-        case TINYGLTF_TYPE_MAT2: return 4;
-        case TINYGLTF_TYPE_MAT3: return 9;
-        default: return 16;
+        case TINYGLTF_TYPE_MAT2:
+            return 4;
+        case TINYGLTF_TYPE_MAT3:
+            return 9;
+        default:
+            return 16;
     }
 }
 
@@ -120,27 +136,38 @@ void checkType(const Document& document, int index, const Allowed& allowed, cons
     const tinygltf::Accessor& accessor = document.model.accessors[index];
     const bool isMatrix = accessor.type == TINYGLTF_TYPE_MAT2;
     if (isMatrix || componentCount(accessor.type) != static_cast<size_t>(allowed.components))
-        throw errorAt(document, use, "accessor {} has {} components an element, not {}", index, componentCount(accessor.type),
-                      allowed.components);
+        throw errorAt(document, use, "accessor {} has {} components an element, not {}", index,
+                      componentCount(accessor.type), allowed.components);
     const bool fits = [&] {
         switch (accessor.componentType) {
-            case TINYGLTF_COMPONENT_TYPE_BYTE: return allowed.bytes;
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return allowed.unsignedBytes;
-            case TINYGLTF_COMPONENT_TYPE_SHORT: return allowed.shorts;
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return allowed.unsignedShorts;
-            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return allowed.unsignedInts;
-            default: return allowed.floats;
+            case TINYGLTF_COMPONENT_TYPE_BYTE:
+                return allowed.bytes;
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+                return allowed.unsignedBytes;
+            case TINYGLTF_COMPONENT_TYPE_SHORT:
+                return allowed.shorts;
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+                return allowed.unsignedShorts;
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+                return allowed.unsignedInts;
+            default:
+                return allowed.floats;
         }
     }();
-    if (!fits) throw errorAt(document, use, "accessor {} has component type {}, which is not allowed here", index,
-                             accessor.componentType);
+    if (!fits)
+        throw errorAt(document, use, "accessor {} has component type {}, which is not allowed here", index,
+                      accessor.componentType);
     const bool isFloat = accessor.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT;
     if (allowed.needsNormalized && !isFloat && !accessor.normalized)
         throw errorAt(document, use, "accessor {} holds integers that are not normalized", index);
 }
 
-std::vector<vec2> readVec2(const Document& document, int index) { return readVectors<vec2, 2>(document, index, 0.0f); }
-std::vector<vec3> readVec3(const Document& document, int index) { return readVectors<vec3, 3>(document, index, 0.0f); }
+std::vector<vec2> readVec2(const Document& document, int index) {
+    return readVectors<vec2, 2>(document, index, 0.0f);
+}
+std::vector<vec3> readVec3(const Document& document, int index) {
+    return readVectors<vec3, 3>(document, index, 0.0f);
+}
 std::vector<vec4> readVec4(const Document& document, int index, float fill) {
     return readVectors<vec4, 4>(document, index, fill);
 }
@@ -148,9 +175,8 @@ std::vector<vec4> readVec4(const Document& document, int index, float fill) {
 std::vector<uint32_t> readIndices(const Document& document, int index) {
     const tinygltf::Accessor& accessor = document.model.accessors[index];
     std::vector<uint32_t> indices(accessor.count, 0);
-    forEachElement(document, accessor, [&](size_t i, const std::byte* from) {
-        indices[i] = loadUnsigned(from, accessor.componentType);
-    });
+    forEachElement(document, accessor,
+                   [&](size_t i, const std::byte* from) { indices[i] = loadUnsigned(from, accessor.componentType); });
     return indices;
 }
 

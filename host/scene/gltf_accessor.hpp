@@ -18,7 +18,7 @@ struct Allowed {
     bool shorts, unsignedShorts;  ///< 16 bits
     bool unsignedInts;
     bool floats;
-    bool needsNormalized;         ///< integers only if normalized
+    bool needsNormalized;  ///< integers only if normalized
 };
 
 /// Throws inputError at `use` (a JSON pointer) if accessor `index` is not of an allowed type.

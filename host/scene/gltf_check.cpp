@@ -25,10 +25,10 @@ void checkBufferViews(const Document& document) {
         checkIndex(document, pointer, "buffer", views[i].buffer, document.buffers.size());
         const size_t size = document.buffers[views[i].buffer].size();
         if (views[i].byteOffset > size || views[i].byteLength > size - views[i].byteOffset)
-            throw errorAt(document, pointer, "reaches from byte {} over {} bytes, but its buffer has {}", views[i].byteOffset,
-                          views[i].byteLength, size);
-        if (views[i].byteStride > 252) throw errorAt(document, pointer, "has a byteStride of {}; at most 252 is allowed",
-                                                     views[i].byteStride);
+            throw errorAt(document, pointer, "reaches from byte {} over {} bytes, but its buffer has {}",
+                          views[i].byteOffset, views[i].byteLength, size);
+        if (views[i].byteStride > 252)
+            throw errorAt(document, pointer, "has a byteStride of {}; at most 252 is allowed", views[i].byteStride);
     }
 }
 
@@ -40,8 +40,8 @@ void checkRange(const Document& document, const std::string& pointer, int view, 
     const bool fits = count == 0 || (offset <= length && bytes <= length - offset && count <= length &&
                                      (count - 1) * stride <= length - offset - bytes);
     if (!fits)
-        throw errorAt(document, pointer, "{} elements of {} bytes from byte {} on do not fit into bufferView {} of {} bytes", count,
-                      bytes, offset, view, length);
+        throw errorAt(document, pointer, "{} elements of {} bytes from byte {} on do not fit into bufferView {} of {} bytes",
+                      count, bytes, offset, view, length);
 }
 
 void checkSparse(const Document& document, const tinygltf::Accessor& accessor, const std::string& pointer, size_t bytes) {
@@ -64,8 +64,8 @@ void checkSparse(const Document& document, const tinygltf::Accessor& accessor, c
     const std::vector<uint32_t> indices = readSparseIndices(document, accessor);
     for (size_t i = 0; i < indices.size(); ++i)
         if (indices[i] >= accessor.count || (i > 0 && indices[i] <= indices[i - 1]))
-            throw errorAt(document, pointer + "/sparse/indices", "index {} ({}) is out of range or not greater than the one before",
-                          i, indices[i]);
+            throw errorAt(document, pointer + "/sparse/indices",
+                          "index {} ({}) is out of range or not greater than the one before", i, indices[i]);
 }
 
 void checkAccessors(const Document& document) {
@@ -75,7 +75,8 @@ void checkAccessors(const Document& document) {
         const std::string pointer = fmt::format("/accessors/{}", i);
         checkOptional(document, pointer, "bufferView", accessor.bufferView, document.model.bufferViews.size());
         const size_t bytes = componentBytes(accessor.componentType) * componentCount(accessor.type);
-        if (bytes == 0) throw errorAt(document, pointer, "has component type {}, which glTF does not have", accessor.componentType);
+        if (bytes == 0)
+            throw errorAt(document, pointer, "has component type {}, which glTF does not have", accessor.componentType);
         if (accessor.bufferView < 0 && accessor.count > mostZeroElements)
             throw errorAt(document, pointer, "has no bufferView for its {} elements; at most {} may be zero", accessor.count,
                           mostZeroElements);
@@ -137,8 +138,8 @@ void checkNodes(const Document& document) {
         for (const int root : model.scenes[s].nodes) {
             checkIndex(document, fmt::format("/scenes/{}/nodes", s), "node", root, model.nodes.size());
             if (parents[root] != -1)
-                throw errorAt(document, fmt::format("/scenes/{}/nodes", s), "node {} is not a root: it is a child of node {}", root,
-                              parents[root]);
+                throw errorAt(document, fmt::format("/scenes/{}/nodes", s),
+                              "node {} is not a root: it is a child of node {}", root, parents[root]);
         }
 }
 

@@ -24,7 +24,9 @@ struct Chunks {
     Bytes binary;  ///< empty if there is none
 };
 
-bool isGlb(Bytes bytes) { return bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0; }
+bool isGlb(Bytes bytes) {
+    return bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
+}
 
 /// The chunks of a GLB: glTF 2.0 specification, section 4.4.
 Chunks splitGlb(Bytes bytes, const std::string& file) {

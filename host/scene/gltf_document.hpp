@@ -1,15 +1,15 @@
 /// A glTF file as its parts read it: the model as tinygltf understands it, and the bytes behind it as we read them.
 ///
-/// Internal to the glTF importer (scene/gltf.cpp). The bytes (GLB chunks, data URIs, files) never pass through tinygltf, which
-/// neither bounds what it reads nor keeps to the scene's folder; and the JSON is checked before tinygltf sees it, since
-/// it crashes on deep nesting, wraps large integers, and skips in silence what has the wrong type.
+/// Internal to the glTF importer (scene/gltf.cpp). The bytes (GLB chunks, data URIs, files) never pass through tinygltf,
+/// which neither bounds what it reads nor keeps to the scene's folder; and the JSON is checked before tinygltf sees it,
+/// since it crashes on deep nesting, wraps large integers, and skips in silence what has the wrong type.
 #pragma once
 
 #include "base/error.hpp"
 #include "scene/scene.hpp"
 
-#include <nlohmann/json.hpp>
 #include <tiny_gltf.h>
+#include <nlohmann/json.hpp>
 
 #include <filesystem>
 #include <map>
@@ -27,17 +27,17 @@ struct ImageSource {
 };
 
 struct Document {
-    std::string file;               ///< the path given, for messages
-    std::filesystem::path folder;   ///< what URIs are relative to, and may not leave
-    tinygltf::Model model;          ///< without buffers, images, animations, skins, morph targets and extras
-    std::vector<std::byte> bytes;   ///< the file
+    std::string file;                           ///< the path given, for messages
+    std::filesystem::path folder;               ///< what URIs are relative to, and may not leave
+    tinygltf::Model model;                      ///< without buffers, images, animations, skins, morph targets and extras
+    std::vector<std::byte> bytes;               ///< the file
     std::vector<std::vector<std::byte>> owned;  ///< what URIs held
-    std::vector<Bytes> buffers;     ///< each of its declared length
+    std::vector<Bytes> buffers;                 ///< each of its declared length
     std::vector<ImageSource> images;
     std::vector<std::string> ignoredExtensions;  ///< used, not required, and not supported
     size_t animationCount = 0;
     size_t skinCount = 0;
-    size_t morphedCount = 0;        ///< primitives with morph targets
+    size_t morphedCount = 0;  ///< primitives with morph targets
 };
 
 /// What was left out or assumed, each once with how often.

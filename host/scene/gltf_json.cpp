@@ -14,30 +14,65 @@ using Names = std::set<std::string_view>;
 /// Deeper than any real file (about 10), shallow enough for recursion.
 constexpr int deepestNesting = 200;
 
-const Names supportedExtensions = {"EXT_mesh_gpu_instancing", "KHR_lights_punctual", "KHR_materials_emissive_strength",
-                                   "KHR_materials_ior", "KHR_materials_transmission", "KHR_materials_unlit",
-                                   "KHR_materials_volume", "KHR_mesh_quantization", "KHR_texture_transform"};
+const Names supportedExtensions = {
+    "EXT_mesh_gpu_instancing", "KHR_lights_punctual",        "KHR_materials_emissive_strength",
+    "KHR_materials_ior",       "KHR_materials_transmission", "KHR_materials_unlit",
+    "KHR_materials_volume",    "KHR_mesh_quantization",      "KHR_texture_transform"};
 
 /// Members that must be non-negative integers, wherever they hold no array or object.
-const Names integerMembers = {"buffer", "bufferView", "byteLength", "byteOffset", "byteStride", "camera", "componentType",
-                              "count", "index", "indices", "light", "material", "mesh", "mode", "sampler", "scene", "skin",
-                              "source", "texCoord", "wrapS", "wrapT"};
+const Names integerMembers = {"buffer",  "bufferView", "byteLength", "byteOffset", "byteStride", "camera", "componentType",
+                              "count",   "index",      "indices",    "light",      "material",   "mesh",   "mode",
+                              "sampler", "scene",      "skin",       "source",     "texCoord",   "wrapS",  "wrapT"};
 /// The ones among them that may exceed an int.
 const Names sizeMembers = {"byteLength", "byteOffset", "byteStride", "count"};
 /// Arrays whose elements, unless objects, must be non-negative integers.
 const Names integerArrays = {"children", "nodes"};
 /// Members that must be numbers, or arrays of numbers.
-const Names numberMembers = {"aspectRatio", "attenuationColor", "attenuationDistance", "baseColorFactor", "color",
-                             "emissiveFactor", "emissiveStrength", "innerConeAngle", "intensity", "ior", "matrix",
-                             "metallicFactor", "offset", "outerConeAngle", "range", "rotation", "roughnessFactor", "scale",
-                             "thicknessFactor", "translation", "transmissionFactor", "xmag", "yfov", "ymag", "zfar", "znear"};
+const Names numberMembers = {"aspectRatio",
+                             "attenuationColor",
+                             "attenuationDistance",
+                             "baseColorFactor",
+                             "color",
+                             "emissiveFactor",
+                             "emissiveStrength",
+                             "innerConeAngle",
+                             "intensity",
+                             "ior",
+                             "matrix",
+                             "metallicFactor",
+                             "offset",
+                             "outerConeAngle",
+                             "range",
+                             "rotation",
+                             "roughnessFactor",
+                             "scale",
+                             "thicknessFactor",
+                             "translation",
+                             "transmissionFactor",
+                             "xmag",
+                             "yfov",
+                             "ymag",
+                             "zfar",
+                             "znear"};
 const Names stringMembers = {"alphaMode", "type", "uri", "version", "minVersion"};
-const Names objectMembers = {"asset", "attributes", "baseColorTexture", "emissiveTexture", "extensions",
-                             "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "orthographic",
-                             "pbrMetallicRoughness", "perspective", "sparse", "spot", "transmissionTexture"};
-const Names arrayMembers = {"accessors", "animations", "bufferViews", "buffers", "cameras", "children", "extensionsRequired",
-                            "extensionsUsed", "images", "lights", "materials", "meshes", "nodes", "primitives", "samplers",
-                            "scenes", "skins", "textures"};
+const Names objectMembers = {"asset",
+                             "attributes",
+                             "baseColorTexture",
+                             "emissiveTexture",
+                             "extensions",
+                             "metallicRoughnessTexture",
+                             "normalTexture",
+                             "occlusionTexture",
+                             "orthographic",
+                             "pbrMetallicRoughness",
+                             "perspective",
+                             "sparse",
+                             "spot",
+                             "transmissionTexture"};
+const Names arrayMembers = {
+    "accessors",      "animations", "bufferViews", "buffers",   "cameras", "children", "extensionsRequired",
+    "extensionsUsed", "images",     "lights",      "materials", "meshes",  "nodes",    "primitives",
+    "samplers",       "scenes",     "skins",       "textures"};
 
 /// The way from the root to a value, kept on the call stack and spelt out only for a message.
 struct Step {
@@ -50,9 +85,7 @@ struct Step {
         if (!parent) return "";
         return parent->pointer() + "/" + (isIndex ? fmt::format("{}", index) : printable(key));
     }
-    bool isInside(std::string_view name) const {
-        return parent && ((!isIndex && key == name) || parent->isInside(name));
-    }
+    bool isInside(std::string_view name) const { return parent && ((!isIndex && key == name) || parent->isInside(name)); }
 };
 
 /// Walks the document once, checking the kind of each known member and taking out what nobody reads.
@@ -156,7 +189,9 @@ void checkNesting(std::string_view text, const std::string& file) {
 
 }  // namespace
 
-bool isSupportedExtension(std::string_view name) { return supportedExtensions.contains(name); }
+bool isSupportedExtension(std::string_view name) {
+    return supportedExtensions.contains(name);
+}
 
 std::string printable(std::string_view text, size_t most) {
     while (text.ends_with('\n')) text.remove_suffix(1);
@@ -164,7 +199,8 @@ std::string printable(std::string_view text, size_t most) {
     // Not in the middle of a UTF-8 sequence, whose bytes after the first are 10xxxxxx.
     while (length > 0 && length < text.size() && (text[length] & 0xc0) == 0x80) --length;
     std::string clean(text.substr(0, length));
-    std::replace_if(clean.begin(), clean.end(), [](char c) { return (c >= 0 && c < 32) || c == 127; }, '?');
+    std::replace_if(
+        clean.begin(), clean.end(), [](char c) { return (c >= 0 && c < 32) || c == 127; }, '?');
     return text.size() > length ? clean + "..." : clean;
 }
 

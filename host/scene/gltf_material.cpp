@@ -19,10 +19,14 @@ std::array<double, 256> linearValues() {
 
 Wrap wrapOf(const Document& document, int sampler, int mode, const char* axis) {
     switch (mode) {
-        case TINYGLTF_TEXTURE_WRAP_REPEAT: return Wrap::repeat;
-        case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE: return Wrap::clamp;
-        case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT: return Wrap::mirror;
-        default: throw errorAt(document, fmt::format("/samplers/{}/{}", sampler, axis), "is {}, which is no wrap mode", mode);
+        case TINYGLTF_TEXTURE_WRAP_REPEAT:
+            return Wrap::repeat;
+        case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE:
+            return Wrap::clamp;
+        case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT:
+            return Wrap::mirror;
+        default:
+            throw errorAt(document, fmt::format("/samplers/{}/{}", sampler, axis), "is {}, which is no wrap mode", mode);
     }
 }
 
@@ -38,7 +42,8 @@ private:
     static constexpr int notLoaded = -1;
     static constexpr int unusable = -2;
 
-    void readExtensions(const tinygltf::ExtensionMap& extensions, const std::string& pointer, Material& material, double& strength);
+    void readExtensions(const tinygltf::ExtensionMap& extensions, const std::string& pointer, Material& material,
+                        double& strength);
     void readMeans(const tinygltf::Material& source, Material& material);
     UvSource readBaseTexture(const tinygltf::TextureInfo& info, const std::string& pointer, Material& material);
     std::optional<Texels> loadImage(int image);
@@ -73,8 +78,7 @@ UvSource MaterialReader::add(size_t index) {
     const std::string pbrPointer = pointer + "/pbrMetallicRoughness";
     Material material;
     material.name = source.name;
-    for (int k = 0; k < 3; ++k)
-        material.baseColor[k] = fraction(pbr.baseColorFactor[k], pbrPointer + "/baseColorFactor");
+    for (int k = 0; k < 3; ++k) material.baseColor[k] = fraction(pbr.baseColorFactor[k], pbrPointer + "/baseColorFactor");
     material.metallic = fraction(pbr.metallicFactor, pbrPointer + "/metallicFactor");
     material.roughness = fraction(pbr.roughnessFactor, pbrPointer + "/roughnessFactor");
     if (source.alphaMode == "BLEND") material.alpha = fraction(pbr.baseColorFactor[3], pbrPointer + "/baseColorFactor");
@@ -117,8 +121,8 @@ void MaterialReader::readExtensions(const tinygltf::ExtensionMap& extensions, co
         for (int k = 0; k < 3; ++k)
             material.attenuationColor[k] = fraction(color[k], place + "KHR_materials_volume/attenuationColor");
         // Absent is infinite: nothing is absorbed, which the scene writes as 0.
-        material.attenuationDistance = amount(numberIn(*found, "attenuationDistance", 0.0),
-                                              place + "KHR_materials_volume/attenuationDistance");
+        material.attenuationDistance =
+            amount(numberIn(*found, "attenuationDistance", 0.0), place + "KHR_materials_volume/attenuationDistance");
     }
     if (findExtension(extensions, "KHR_materials_unlit")) {
         material.metallic = 0.0f;
@@ -204,7 +208,8 @@ UvSource MaterialReader::readBaseTexture(const tinygltf::TextureInfo& info, cons
         const double angle = numberIn(*transform, "rotation", 0.0);
         uvSource.u = vec3(std::cos(angle) * scale.x, std::sin(angle) * scale.y, offset.x);
         uvSource.v = vec3(-std::sin(angle) * scale.x, std::cos(angle) * scale.y, offset.y);
-        if (!isFinite(uvSource.u) || !isFinite(uvSource.v)) throw errorAt(document_, pointer, "its texture transform is not finite");
+        if (!isFinite(uvSource.u) || !isFinite(uvSource.v))
+            throw errorAt(document_, pointer, "its texture transform is not finite");
         uvSource.set = static_cast<int>(numberIn(*transform, "texCoord", uvSource.set));
     }
     return uvSource;

@@ -11,7 +11,8 @@ namespace {
 /// Accessors may be named by any number of primitives, each of which writes them out: a small file could ask for anything.
 constexpr size_t mostElements = size_t{1} << 28;
 
-/// Sets of vertices are the same if all of this is: the accessors of position, normal, uv and colour, and the uv's transform.
+/// Sets of vertices are the same if all of this is: the accessors of position, normal, uv and colour, and the uv's
+/// transform.
 using VertexKey = std::pair<std::array<int, 4>, std::array<float, 6>>;
 
 vec3 unitOrZero(const vec3& v) {
@@ -19,7 +20,9 @@ vec3 unitOrZero(const vec3& v) {
     return length > 0.0 && std::isfinite(length) ? vec3(dvec3(v) / length) : vec3(0.0f);
 }
 
-float finiteOr(float value, float otherwise) { return std::isfinite(value) ? value : otherwise; }
+float finiteOr(float value, float otherwise) {
+    return std::isfinite(value) ? value : otherwise;
+}
 
 /// Where rule `mode` puts triangle `i` among the vertices in order: glTF 2.0 specification, section 3.7.2.1.
 uvec3 cornersOf(int mode, uint32_t i) {
@@ -31,19 +34,26 @@ uvec3 cornersOf(int mode, uint32_t i) {
 /// How many primitives of its kind `count` vertices in order are (points, lines, or triangles).
 size_t primitiveCount(int mode, size_t count) {
     switch (mode) {
-        case TINYGLTF_MODE_POINTS: return count;
-        case TINYGLTF_MODE_LINE: return count / 2;
-        case TINYGLTF_MODE_LINE_LOOP: return count < 2 ? 0 : count;
-        case TINYGLTF_MODE_LINE_STRIP: return count < 2 ? 0 : count - 1;
-        case TINYGLTF_MODE_TRIANGLES: return count / 3;
-        default: return count < 3 ? 0 : count - 2;
+        case TINYGLTF_MODE_POINTS:
+            return count;
+        case TINYGLTF_MODE_LINE:
+            return count / 2;
+        case TINYGLTF_MODE_LINE_LOOP:
+            return count < 2 ? 0 : count;
+        case TINYGLTF_MODE_LINE_STRIP:
+            return count < 2 ? 0 : count - 1;
+        case TINYGLTF_MODE_TRIANGLES:
+            return count / 3;
+        default:
+            return count < 3 ? 0 : count - 2;
     }
 }
 
 /// Writes out one glTF mesh, primitive after primitive.
 class MeshReader {
 public:
-    MeshReader(const Document& document, const std::vector<UvSource>& uvSources, Scene& scene, Remarks& remarks, size_t& written)
+    MeshReader(const Document& document, const std::vector<UvSource>& uvSources, Scene& scene, Remarks& remarks,
+               size_t& written)
         : document_(document), uvSources_(uvSources), scene_(scene), remarks_(remarks), written_(written) {}
 
     Mesh read(size_t index);
@@ -73,7 +83,8 @@ int findAttribute(const tinygltf::Primitive& primitive, const std::string& name)
 void MeshReader::spend(size_t elements, const std::string& pointer) {
     written_ += elements;
     if (written_ > mostElements)
-        throw limitError("{}#{}: the meshes hold more than {} vertices and indices in all", document_.file, pointer, mostElements);
+        throw limitError("{}#{}: the meshes hold more than {} vertices and indices in all", document_.file, pointer,
+                         mostElements);
 }
 
 Mesh MeshReader::read(size_t index) {
@@ -98,13 +109,21 @@ void MeshReader::addPrimitive(const tinygltf::Primitive& primitive, const std::s
     if (isIndexed) {
         const std::string place = pointer + "/indices";
         checkType(document_, primitive.indices,
-                  {.components = 1, .bytes = false, .unsignedBytes = true, .shorts = false, .unsignedShorts = true,
-                   .unsignedInts = true, .floats = false, .needsNormalized = false}, place);
+                  {.components = 1,
+                   .bytes = false,
+                   .unsignedBytes = true,
+                   .shorts = false,
+                   .unsignedShorts = true,
+                   .unsignedInts = true,
+                   .floats = false,
+                   .needsNormalized = false},
+                  place);
         count = document_.model.accessors[primitive.indices].count;
         spend(count, place);
         indices = readIndices(document_, primitive.indices);
         for (size_t i = 0; i < indices.size(); ++i)
-            if (indices[i] >= vertexCount) throw errorAt(document_, place, "index {} names vertex {} of {}", i, indices[i], vertexCount);
+            if (indices[i] >= vertexCount)
+                throw errorAt(document_, place, "index {} names vertex {} of {}", i, indices[i], vertexCount);
     }
     const size_t primitives = primitiveCount(primitive.mode, count);
     if (primitive.mode < TINYGLTF_MODE_TRIANGLES) {
@@ -112,7 +131,8 @@ void MeshReader::addPrimitive(const tinygltf::Primitive& primitive, const std::s
         remarks_.add("points and lines are left out: no ray hits them");
         return;
     }
-    if (primitive.mode == TINYGLTF_MODE_TRIANGLES && count % 3 != 0) remarks_.add("a primitive's last, incomplete triangle is left out");
+    if (primitive.mode == TINYGLTF_MODE_TRIANGLES && count % 3 != 0)
+        remarks_.add("a primitive's last, incomplete triangle is left out");
     if (primitives == 0) return;
     const uint32_t first = addVertices(primitive, pointer);
     const uint32_t material = primitive.material >= 0 ? static_cast<uint32_t>(primitive.material)
@@ -134,7 +154,8 @@ uint32_t MeshReader::addVertices(const tinygltf::Primitive& primitive, const std
     const int normal = findAttribute(primitive, "NORMAL");
     const int uv = findAttribute(primitive, fmt::format("TEXCOORD_{}", uvSource.set));
     const int color = findAttribute(primitive, "COLOR_0");
-    if (uvSource.isUsed && uv < 0) remarks_.add("a textured primitive has no texture coordinates: its texture's first texel is used");
+    if (uvSource.isUsed && uv < 0)
+        remarks_.add("a textured primitive has no texture coordinates: its texture's first texel is used");
     const VertexKey key{{position, normal, uv, color},
                         {uvSource.u.x, uvSource.u.y, uvSource.u.z, uvSource.v.x, uvSource.v.y, uvSource.v.z}};
     const auto [known, isNew] = firstVertex_.try_emplace(key, static_cast<uint32_t>(mesh_.positions.size()));
@@ -142,8 +163,14 @@ uint32_t MeshReader::addVertices(const tinygltf::Primitive& primitive, const std
 
     const bool isQuantized = std::ranges::count(document_.model.extensionsUsed, "KHR_mesh_quantization") > 0;
     checkType(document_, position,
-              {.components = 3, .bytes = isQuantized, .unsignedBytes = isQuantized, .shorts = isQuantized,
-               .unsignedShorts = isQuantized, .unsignedInts = false, .floats = true, .needsNormalized = false},
+              {.components = 3,
+               .bytes = isQuantized,
+               .unsignedBytes = isQuantized,
+               .shorts = isQuantized,
+               .unsignedShorts = isQuantized,
+               .unsignedInts = false,
+               .floats = true,
+               .needsNormalized = false},
               pointer + "/attributes/POSITION");
     spend(document_.model.accessors[position].count, pointer);
     const std::vector<vec3> positions = readVec3(document_, position);
@@ -160,8 +187,15 @@ void MeshReader::addNormals(int accessor, const std::string& pointer, size_t fir
     mesh_.normals.resize(mesh_.positions.size(), vec3(0.0f));
     if (accessor < 0) return;
     checkType(document_, accessor,
-              {.components = 3, .bytes = true, .unsignedBytes = false, .shorts = true, .unsignedShorts = false,
-               .unsignedInts = false, .floats = true, .needsNormalized = true}, pointer + "/attributes/NORMAL");
+              {.components = 3,
+               .bytes = true,
+               .unsignedBytes = false,
+               .shorts = true,
+               .unsignedShorts = false,
+               .unsignedInts = false,
+               .floats = true,
+               .needsNormalized = true},
+              pointer + "/attributes/NORMAL");
     const std::vector<vec3> normals = readVec3(document_, accessor);
     std::transform(normals.begin(), normals.end(), mesh_.normals.begin() + first, unitOrZero);
 }
@@ -170,8 +204,14 @@ void MeshReader::addUvs(int accessor, const UvSource& source, const std::string&
     mesh_.uvs.resize(mesh_.positions.size(), vec2(0.0f));
     if (accessor < 0) return;
     checkType(document_, accessor,
-              {.components = 2, .bytes = true, .unsignedBytes = true, .shorts = true, .unsignedShorts = true,
-               .unsignedInts = false, .floats = true, .needsNormalized = false},
+              {.components = 2,
+               .bytes = true,
+               .unsignedBytes = true,
+               .shorts = true,
+               .unsignedShorts = true,
+               .unsignedInts = false,
+               .floats = true,
+               .needsNormalized = false},
               fmt::format("{}/attributes/TEXCOORD_{}", pointer, source.set));
     const std::vector<vec2> uvs = readVec2(document_, accessor);
     for (size_t i = 0; i < uvs.size(); ++i) {
@@ -185,8 +225,15 @@ void MeshReader::addColors(int accessor, const std::string& pointer, size_t firs
     if (accessor < 0) return;
     const bool hasAlpha = document_.model.accessors[accessor].type == TINYGLTF_TYPE_VEC4;
     checkType(document_, accessor,
-              {.components = hasAlpha ? 4 : 3, .bytes = false, .unsignedBytes = true, .shorts = false, .unsignedShorts = true,
-               .unsignedInts = false, .floats = true, .needsNormalized = true}, pointer + "/attributes/COLOR_0");
+              {.components = hasAlpha ? 4 : 3,
+               .bytes = false,
+               .unsignedBytes = true,
+               .shorts = false,
+               .unsignedShorts = true,
+               .unsignedInts = false,
+               .floats = true,
+               .needsNormalized = true},
+              pointer + "/attributes/COLOR_0");
     const std::vector<vec3> colors = readVec3(document_, accessor);
     for (size_t i = 0; i < colors.size(); ++i)
         for (int k = 0; k < 3; ++k) mesh_.colors[first + i][k] = std::max(0.0f, finiteOr(colors[i][k], 1.0f));
@@ -200,7 +247,8 @@ void addMeshes(const Document& document, const std::vector<UvSource>& uvSources,
     bool needsDefault = false;
     for (size_t i = 0; i < document.model.meshes.size(); ++i) {
         scene.meshes.push_back(reader.read(i));
-        for (const tinygltf::Primitive& primitive : document.model.meshes[i].primitives) needsDefault |= primitive.material < 0;
+        for (const tinygltf::Primitive& primitive : document.model.meshes[i].primitives)
+            needsDefault |= primitive.material < 0;
     }
     if (!needsDefault && !scene.materials.empty()) return;
     // The specification's defaults: a rough white metal.

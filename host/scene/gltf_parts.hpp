@@ -12,7 +12,7 @@ struct UvSource {
     int set = 0;
     vec3 u{1.0f, 0.0f, 0.0f};  ///< u' = u.x u + u.y v + u.z
     vec3 v{0.0f, 1.0f, 0.0f};
-    bool isUsed = false;       ///< the material has a texture
+    bool isUsed = false;  ///< the material has a texture
 };
 
 /// Appends every material, and the images that base colours use, each once. Textures of other factors are replaced by their

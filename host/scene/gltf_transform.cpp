@@ -54,8 +54,15 @@ int instancingAccessor(const Document& document, const tinygltf::Value& attribut
         throw errorAt(document, place, "names accessor {} of {}", index, document.model.accessors.size());
     const bool isRotation = components == 4;
     checkType(document, index,
-              {.components = components, .bytes = isRotation, .unsignedBytes = false, .shorts = isRotation,
-               .unsignedShorts = false, .unsignedInts = false, .floats = true, .needsNormalized = true}, place);
+              {.components = components,
+               .bytes = isRotation,
+               .unsignedBytes = false,
+               .shorts = isRotation,
+               .unsignedShorts = false,
+               .unsignedInts = false,
+               .floats = true,
+               .needsNormalized = true},
+              place);
     return index;
 }
 
@@ -74,7 +81,8 @@ dmat4 localTransform(const Document& document, size_t node) {
     const auto& s = source.scale;
     const dvec4 rotation = r.empty() ? dvec4(0, 0, 0, 1) : dvec4(r[0], r[1], r[2], r[3]);
     checkRotation(document, rotation, pointer + "/rotation");
-    return compose(t.empty() ? dvec3(0.0) : dvec3(t[0], t[1], t[2]), rotation, s.empty() ? dvec3(1.0) : dvec3(s[0], s[1], s[2]));
+    return compose(t.empty() ? dvec3(0.0) : dvec3(t[0], t[1], t[2]), rotation,
+                   s.empty() ? dvec3(1.0) : dvec3(s[0], s[1], s[2]));
 }
 
 std::vector<dmat4> copiesOf(const Document& document, size_t node) {
@@ -89,7 +97,8 @@ std::vector<dmat4> copiesOf(const Document& document, size_t node) {
     for (const int accessor : {translation, rotation, scale}) {
         if (accessor < 0) continue;
         const size_t here = document.model.accessors[accessor].count;
-        if (count && *count != here) throw errorAt(document, pointer, "the attributes have {} and {} elements", *count, here);
+        if (count && *count != here)
+            throw errorAt(document, pointer, "the attributes have {} and {} elements", *count, here);
         count = here;
     }
     if (!count) return {dmat4(1.0)};

@@ -49,7 +49,8 @@ int hexValue(char c) {
 std::string decodePercent(std::string_view text) {
     std::string decoded;
     for (size_t i = 0; i < text.size(); ++i) {
-        const bool isEscape = text[i] == '%' && i + 2 < text.size() && hexValue(text[i + 1]) >= 0 && hexValue(text[i + 2]) >= 0;
+        const bool isEscape =
+            text[i] == '%' && i + 2 < text.size() && hexValue(text[i + 1]) >= 0 && hexValue(text[i + 2]) >= 0;
         decoded += isEscape ? static_cast<char>(hexValue(text[i + 1]) * 16 + hexValue(text[i + 2])) : text[i];
         if (isEscape) i += 2;
     }
@@ -72,7 +73,8 @@ std::vector<std::byte> readUri(const std::string& uri, const std::filesystem::pa
     if (uri.starts_with("data:")) return decodeDataUri(uri, place);
     const std::string name = decodePercent(uri);
     const bool isPlain = std::none_of(name.begin(), name.end(), [](char c) { return (c >= 0 && c < 32) || c == 127; });
-    if (name.empty() || !isPlain) throw inputError(place, "its URI '{}' is empty or holds control characters", printable(uri));
+    if (name.empty() || !isPlain)
+        throw inputError(place, "its URI '{}' is empty or holds control characters", printable(uri));
     const size_t colon = name.find(':');
     if (colon != std::string::npos && colon < name.find('/'))
         throw inputError(place, "cannot read '{}': only files beside the scene and data URIs are read", printable(uri));

@@ -49,8 +49,8 @@ void readCones(const Document& document, const tinygltf::SpotLight& spot, const 
     const double inner = spot.innerConeAngle, outer = spot.outerConeAngle;
     // A little more than a right angle is what a float makes of it.
     if (!(inner >= 0.0 && inner < outer && outer <= pi / 2 + 1e-6))
-        throw errorAt(document, pointer + "/spot", "needs 0 <= innerConeAngle < outerConeAngle <= pi / 2, and has {} and {}", inner,
-                      outer);
+        throw errorAt(document, pointer + "/spot", "needs 0 <= innerConeAngle < outerConeAngle <= pi / 2, and has {} and {}",
+                      inner, outer);
     light.innerConeAngle = static_cast<float>(inner);
     light.outerConeAngle = static_cast<float>(outer);
 }
@@ -83,7 +83,8 @@ std::optional<Camera> cameraAt(const Document& document, int camera, const dmat4
 std::optional<Light> lightAt(const Document& document, int index, const dmat4& toWorld, Remarks& remarks) {
     const tinygltf::Light& source = document.model.lights[index];
     const std::string pointer = fmt::format("/extensions/KHR_lights_punctual/lights/{}", index);
-    if (source.color.size() != 0 && source.color.size() != 3) throw errorAt(document, pointer + "/color", "must be 3 numbers");
+    if (source.color.size() != 0 && source.color.size() != 3)
+        throw errorAt(document, pointer + "/color", "must be 3 numbers");
     Light light;
     if (source.type == "spot") {
         light.type = Light::Type::spot;
@@ -113,8 +114,8 @@ int lightOf(const Document& document, size_t node) {
     if (!extension || !extension->Get("light").IsInt()) return -1;
     const int light = extension->Get("light").GetNumberAsInt();
     if (static_cast<size_t>(light) >= document.model.lights.size())
-        throw errorAt(document, fmt::format("/nodes/{}/extensions/KHR_lights_punctual/light", node), "names light {} of {}", light,
-                      document.model.lights.size());
+        throw errorAt(document, fmt::format("/nodes/{}/extensions/KHR_lights_punctual/light", node), "names light {} of {}",
+                      light, document.model.lights.size());
     return light;
 }
 

@@ -29,11 +29,12 @@ Texels decodeImage(std::span<const std::byte> bytes, const std::string& place) {
     int width = 0, height = 0, channels = 0;
     if (size == 0 || !stbi_info_from_memory(data, size, &width, &height, &channels)) {
         const char* reason = size == 0 ? "it is empty" : stbi_failure_reason();
-        throw inputError(place, "the image cannot be decoded (PNG, JPEG, BMP and TGA can): {}", reason ? reason : "unknown reason");
+        throw inputError(place, "the image cannot be decoded (PNG, JPEG, BMP and TGA can): {}",
+                         reason ? reason : "unknown reason");
     }
     if (width > STBI_MAX_DIMENSIONS || height > STBI_MAX_DIMENSIONS)
-        throw limitError("{}: the image has {} x {} texels; at most {} x {} are read", place, width, height, STBI_MAX_DIMENSIONS,
-                         STBI_MAX_DIMENSIONS);
+        throw limitError("{}: the image has {} x {} texels; at most {} x {} are read", place, width, height,
+                         STBI_MAX_DIMENSIONS, STBI_MAX_DIMENSIONS);
     const std::unique_ptr<stbi_uc, void (*)(void*)> decoded(stbi_load_from_memory(data, size, &width, &height, &channels, 4),
                                                             stbi_image_free);
     if (!decoded) {

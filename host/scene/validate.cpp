@@ -18,18 +18,27 @@ Fault fault(fmt::format_string<Args...> format, Args&&... args) {
     return fmt::format(format, std::forward<Args>(args)...);
 }
 
-bool isUnit(const vec3& v) { return std::abs(glm::dot(dvec3(v), dvec3(v)) - 1.0) <= unitTolerance; }
+bool isUnit(const vec3& v) {
+    return std::abs(glm::dot(dvec3(v), dvec3(v)) - 1.0) <= unitTolerance;
+}
 
 /// Finite and not negative; false for NaN.
-bool isAmount(float x) { return x >= 0.0f && std::isfinite(x); }
-bool isAmount(const vec3& v) { return isAmount(v.x) && isAmount(v.y) && isAmount(v.z); }
-bool isFraction(float x) { return x >= 0.0f && x <= 1.0f; }
+bool isAmount(float x) {
+    return x >= 0.0f && std::isfinite(x);
+}
+bool isAmount(const vec3& v) {
+    return isAmount(v.x) && isAmount(v.y) && isAmount(v.z);
+}
+bool isFraction(float x) {
+    return x >= 0.0f && x <= 1.0f;
+}
 
 Fault findMeshFault(const Mesh& mesh, size_t materialCount) {
     const size_t vertexCount = mesh.positions.size();
     if (!mesh.normals.empty() && mesh.normals.size() != vertexCount)
         return fault("{} normals for {} vertices", mesh.normals.size(), vertexCount);
-    if (!mesh.uvs.empty() && mesh.uvs.size() != vertexCount) return fault("{} uvs for {} vertices", mesh.uvs.size(), vertexCount);
+    if (!mesh.uvs.empty() && mesh.uvs.size() != vertexCount)
+        return fault("{} uvs for {} vertices", mesh.uvs.size(), vertexCount);
     if (!mesh.colors.empty() && mesh.colors.size() != vertexCount)
         return fault("{} colours for {} vertices", mesh.colors.size(), vertexCount);
     if (mesh.materials.size() != mesh.triangles.size())
@@ -119,8 +128,8 @@ Fault firstFault(const char* kind, const Items& items, const Find& find) {
 
 std::optional<std::string> findFault(const Scene& scene) {
     if (scene.materials.empty()) return fault("there is no material");
-    if (const Fault f = firstFault("mesh", scene.meshes,
-                                   [&](const Mesh& mesh) { return findMeshFault(mesh, scene.materials.size()); }))
+    if (const Fault f =
+            firstFault("mesh", scene.meshes, [&](const Mesh& mesh) { return findMeshFault(mesh, scene.materials.size()); }))
         return f;
     if (const Fault f = firstFault("instance", scene.instances, [&](const Instance& instance) {
             return findInstanceFault(instance, scene.meshes.size());

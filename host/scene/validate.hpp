@@ -11,7 +11,8 @@ namespace raig {
 /// Names the first broken promise of scene.hpp ("mesh 3: triangle 7 names vertex 12 of 9"), or nothing if all hold.
 ///
 /// Requires  nothing of the scene; it may be uncompleted (no camera, no instance, no triangle).
-/// Ensures   with nothing returned: every index (instance, triangle, material, image) is in range; attribute arrays are empty
+/// Ensures   with nothing returned: every index (instance, triangle, material, image) is in range; attribute arrays are
+/// empty
 ///           or as long as positions; one material index a triangle, and at least one material; every number but a mesh
 ///           position is finite; normals are unit length or zero; directions are unit, cameras' axes are orthonormal;
 ///           toWorld is affine; colours, intensities and distances are not negative; images have 4 bytes a texel.

@@ -4,8 +4,8 @@
 #include "base/files.hpp"
 #include "scene/import.hpp"
 
-#include <nlohmann/json.hpp>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include <cstring>
 #include <filesystem>
@@ -18,7 +18,8 @@ class TemporaryFolder {
 public:
     TemporaryFolder() {
         static int count = 0;
-        path = std::filesystem::temp_directory_path() / ("raig-gltf-" + std::to_string(::getpid()) + "-" + std::to_string(count++));
+        path = std::filesystem::temp_directory_path() /
+               ("raig-gltf-" + std::to_string(::getpid()) + "-" + std::to_string(count++));
         std::filesystem::create_directories(path);
     }
     TemporaryFolder(const TemporaryFolder&) = delete;
@@ -38,7 +39,9 @@ public:
     template <class T>
     int accessor(const std::vector<T>& values, const std::string& type, int componentType, bool normalized = false) {
         const size_t components = type == "SCALAR" ? 1 : static_cast<size_t>(type[3] - '0');
-        nlohmann::json accessor = {{"bufferView", view(values)}, {"componentType", componentType}, {"type", type},
+        nlohmann::json accessor = {{"bufferView", view(values)},
+                                   {"componentType", componentType},
+                                   {"type", type},
                                    {"count", values.size() / components}};
         if (normalized) accessor["normalized"] = true;
         json["accessors"].push_back(accessor);
