@@ -1,0 +1,133 @@
+// `raig render`: a picture of a scene.
+#include "app/commands.hpp"
+#include "app/progress.hpp"
+#include "app/setup.hpp"
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "image/image.hpp"
+#include "rays/frame.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace raig {
+
+namespace {
+
+constexpr uint32_t defaultSamples = 4;
+
+struct Discarded {
+    double mean = 0.0;
+    double worst = 0.0;
+    size_t worstPixel = 0;
+};
+
+Discarded measureDiscarded(const Picture& picture) {
+    Discarded result;
+    for (size_t i = 0; i < picture.discarded.size(); ++i) {
+        result.mean += picture.discarded[i] / double(picture.discarded.size());
+        if (picture.discarded[i] > result.worst) result = {result.mean, picture.discarded[i], i};
+    }
+    return result;
+}
+
+double raysTraced(const FrameStatistics& statistics) { return double(statistics.closestRays + statistics.shadowRays); }
+
+FrameOptions frameOptions(const Options& options, const Scene& scene) {
+    FrameOptions frame;
+    frame.width = options.width;
+    frame.height = options.height;
+    frame.samples = options.samples ? options.samples : defaultSamples;
+    frame.maxDepth = options.maxDepth;
+    frame.minContribution = static_cast<float>(options.minContribution);
+    frame.seed = options.seed;
+    frame.camera = chooseCamera(scene, options.camera);
+    return frame;
+}
+
+Notes notesOf(const Options& options, const FrameOptions& frame, const Setup& setup) {
+    return {{"Software", "raig"},
+            {"Scene", options.inputs.front().filename().string()},
+            {"Recursion", fmt::format("NIVELL_MAX {}, MIN_CONTRIB {}", frame.maxDepth, options.minContribution)},
+            {"Samples", fmt::format("{} a pixel, seed {}", frame.samples, frame.seed)},
+            {"Structure", setup.structure.name}};
+}
+
+void describe(const Picture& picture, const Discarded& discarded) {
+    const FrameStatistics& s = picture.statistics;
+    log::note("picture: {} x {} in {:.3f} s ({:.3f} s of it to set up): {:.2f} Mrays, {:.2f} Mrays/s while tracing, depth {}",
+              picture.width, picture.height, s.seconds, s.setupSeconds, raysTraced(s) * 1e-6,
+              raysTraced(s) * 1e-6 / std::max(s.traceSeconds, 1e-9), s.deepest);
+    log::note("discarded weight: {:.2e} on average, {:.2e} at worst, in pixel ({}, {})", discarded.mean, discarded.worst,
+              discarded.worstPixel % picture.width, discarded.worstPixel / picture.width);
+}
+
+nlohmann::ordered_json toJson(const Setup& setup, const FrameOptions& frame, const Picture& picture,
+                              const Discarded& discarded) {
+    const FrameStatistics& s = picture.statistics;
+    const StructureStatistics& built = setup.structure.statistics;
+    return {{"device", setup.deviceName()},
+            {"triangles", setup.geometry.triangles.size()},
+            {"dropped",
+             {{"non_finite", setup.geometry.dropped.nonFinite},
+              {"zero_area", setup.geometry.dropped.zeroArea},
+              {"other", setup.geometry.dropped.other}}},
+            {"structure",
+             {{"name", setup.structure.name},
+              {"walk", setup.structure.walk},
+              {"nodes", built.nodes},
+              {"depth", built.depth},
+              {"bytes_per_triangle", setup.bytesPerTriangle()}}},
+            {"width", frame.width},
+            {"height", frame.height},
+            {"samples", frame.samples},
+            {"max_depth", frame.maxDepth},
+            {"min_contribution", frame.minContribution},
+            {"seed", frame.seed},
+            {"import_s", setup.importSeconds},
+            {"build_s", built.seconds},
+            {"upload_s", setup.uploadSeconds},
+            {"render_s", s.seconds},
+            {"trace_s", s.traceSeconds},
+            {"closest_rays", s.closestRays},
+            {"shadow_rays", s.shadowRays},
+            {"mrays_per_s", raysTraced(s) * 1e-6 / std::max(s.traceSeconds, 1e-9)},
+            {"deepest", s.deepest},
+            {"tiles", s.tiles},
+            {"discarded_weight", {{"mean", discarded.mean}, {"max", discarded.worst}}},
+            {"remarks", setup.scene.remarks}};
+}
+
+}  // namespace
+
+int render(const Options& options) {
+    const std::unique_ptr<Setup> setup = prepare(options, options.inputs.front());
+    const FrameOptions frame = frameOptions(options, setup->scene);
+    Picture picture;
+    {
+        Progress progress("render");
+        picture = setup->device ? renderPicture(*setup->device, setup->scene, setup->geometry, *setup->deviceTracer, frame,
+                                                progress.callback())
+                                : renderPicture(setup->scene, setup->geometry, *setup->tracer, frame, progress.callback());
+    }
+    Image image;
+    image.width = picture.width;
+    image.height = picture.height;
+    image.pixels = std::move(picture.radiance);
+    const uint64_t nonFinite = writePicture(options.output, image, notesOf(options, frame, *setup));
+    if (nonFinite > 0) log::warn("{}: {} pixels are not finite", options.output.string(), nonFinite);
+
+    const Discarded discarded = measureDiscarded(picture);
+    describe(picture, discarded);
+    if (options.json) {
+        nlohmann::ordered_json document = toJson(*setup, frame, picture, discarded);
+        document["output"] = options.output.string();
+        document["non_finite_pixels"] = nonFinite;
+        std::puts(document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    }
+    return static_cast<int>(ExitCode::done);
+}
+
+}  // namespace raig

@@ -1,0 +1,103 @@
+#include "app/setup.hpp"
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+#include "base/parallel.hpp"
+#include "rays/lights.hpp"
+#include "scene/import.hpp"
+
+#include <charconv>
+#include <chrono>
+
+namespace raig {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+void describeScene(const Scene& scene, const Geometry& geometry) {
+    log::note("scene: {} triangles in {} instances of {} meshes, {} materials, {} lights, {} cameras, {} images",
+              geometry.triangles.size(), scene.instances.size(), scene.meshes.size(), scene.materials.size(),
+              scene.lights.size(), scene.cameras.size(), scene.images.size());
+    constexpr size_t shown = 5;
+    for (size_t i = 0; i < std::min(shown, scene.remarks.size()); ++i) log::note("remark: {}", scene.remarks[i]);
+    if (scene.remarks.size() > shown) log::note("remark: and {} more of the kind", scene.remarks.size() - shown);
+    const Dropped& dropped = geometry.dropped;
+    if (dropped.nonFinite + dropped.zeroArea + dropped.other > 0)
+        log::note("dropped: {} triangles with a corner that is not finite or out of range, {} without area; {} points and lines",
+                  dropped.nonFinite, dropped.zeroArea, dropped.other);
+}
+
+Structure buildStructure(const Options& options, const Geometry& geometry, const Scene& scene) {
+    std::vector<Triangle> triangles(geometry.triangles.size());
+    parallelFor(triangles.size(), 65536, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+            const uvec3 t = geometry.triangles[i];
+            triangles[i] = {geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z]};
+        }
+    });
+    const BuildParams params{.build = options.build, .walk = options.walk, .maxLeaf = options.maxLeaf};
+    Structure structure = structureType(options.accel).build(triangles, params);
+    const std::vector<uint8_t> seeThrough = findSeeThrough(scene, geometry);
+    if (!seeThrough.empty()) structure.markSeeThrough(seeThrough);
+    return structure;
+}
+
+}  // namespace
+
+std::string Setup::deviceName() const { return device ? device->info().name : "cpu"; }
+
+double Setup::bytesPerTriangle() const {
+    return geometry.triangles.empty() ? 0.0 : double(structure.statistics.bytes) / double(geometry.triangles.size());
+}
+
+std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::path& file) {
+    auto setup = std::make_unique<Setup>();
+    // A device or a structure that does not exist should be told before a large scene is read.
+    const std::optional<DeviceInfo> info = chooseDevice(options.device);
+    structureType(options.accel);
+
+    Clock::time_point start = Clock::now();
+    setup->scene = importScene(file);
+    setup->geometry = flatten(setup->scene);
+    setup->importSeconds = secondsSince(start);
+    describeScene(setup->scene, setup->geometry);
+
+    setup->structure = buildStructure(options, setup->geometry, setup->scene);
+    const StructureStatistics& built = setup->structure.statistics;
+    log::note("structure: {} ({}), {} nodes, depth {}, {:.1f} bytes a triangle, built in {:.3f} s", setup->structure.name,
+              setup->structure.walk, built.nodes, built.depth, setup->bytesPerTriangle(), built.seconds);
+
+    start = Clock::now();
+    if (info) {
+        setup->device = std::make_unique<Device>(*info);
+        std::unique_ptr<DeviceTracer> tracer = makeDeviceTracer(*setup->device, setup->structure);
+        setup->deviceTracer = tracer.get();
+        setup->tracer = std::move(tracer);
+        log::note("device: {} ({})", info->name, info->driver);
+    } else {
+        setup->tracer = makeCpuTracer(setup->structure);
+        log::note("device: the CPU");
+    }
+    setup->uploadSeconds = secondsSince(start);
+    return setup;
+}
+
+uint32_t chooseCamera(const Scene& scene, const std::string& wanted) {
+    RAIG_CHECK(!scene.cameras.empty());
+    if (wanted.empty()) return 0;
+    for (uint32_t i = 0; i < scene.cameras.size(); ++i)
+        if (scene.cameras[i].name == wanted) return i;
+    uint32_t index = 0;
+    const char* end = wanted.data() + wanted.size();
+    const auto [last, error] = std::from_chars(wanted.data(), end, index);
+    if (error == std::errc() && last == end && index < scene.cameras.size()) return index;
+    std::string names;
+    for (uint32_t i = 0; i < scene.cameras.size(); ++i)
+        names += fmt::format("{}{} {}", i ? ", " : "", i, scene.cameras[i].name.empty() ? "(unnamed)" : scene.cameras[i].name);
+    throw usageError("--camera {}: the scene has no such camera; it has: {}", wanted, names);
+}
+
+}  // namespace raig

@@ -1,0 +1,39 @@
+/// What the commands that trace have in common: a scene in memory, its structure, and a tracer where --device says.
+#pragma once
+
+#include "app/options.hpp"
+#include "rays/tracer.hpp"
+#include "scene/geometry.hpp"
+
+#include <memory>
+
+namespace raig {
+
+/// A scene ready to be traced. Not movable: the tracer refers to the structure and the device.
+struct Setup {
+    Scene scene;
+    Geometry geometry;
+    Structure structure;
+    std::unique_ptr<Device> device;  ///< none on the CPU path
+    std::unique_ptr<Tracer> tracer;
+    DeviceTracer* deviceTracer = nullptr;  ///< `tracer`, where there is a device
+    double importSeconds = 0.0;
+    double uploadSeconds = 0.0;
+
+    Setup() = default;
+    Setup(const Setup&) = delete;
+    Setup& operator=(const Setup&) = delete;
+
+    std::string deviceName() const;
+    double bytesPerTriangle() const;
+};
+
+/// Imports `file`, builds the structure of --accel and its options, opens the device, and says so line by line.
+/// Throws what importing, building and opening throw.
+std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::path& file);
+
+/// The camera that --camera names: an index, or the first whose name is that; the first of all if empty.
+/// Throws usageError, which lists those there are.
+uint32_t chooseCamera(const Scene& scene, const std::string& wanted);
+
+}  // namespace raig
