@@ -59,7 +59,7 @@ TEST_P(EveryStructure, FindsWhatBruteForceFinds) {
     for (const Soup& soup : test::soups()) {
         const Structure structure = build(soup);
         const Structure brute = structureType("brute").build(soup.triangles, {});
-        const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 7, /* count= */ 20'000);
+        const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 7, /* count= */ 4000);
         const std::vector<Hit> want = traceOnCpu(brute, rays, Query::closest);
         const std::vector<Hit> got = traceOnCpu(structure, rays, Query::closest);
         size_t hitCount = 0;
@@ -75,7 +75,7 @@ TEST_P(EveryStructure, FindsWhatBruteForceFinds) {
 TEST_P(EveryStructure, FindsAnyHitExactlyWhereThereIsOne) {
     for (const Soup& soup : test::soups()) {
         const Structure structure = build(soup);
-        const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 8, /* count= */ 20'000);
+        const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 8, /* count= */ 4000);
         const std::vector<Hit> closest = traceOnCpu(structure, rays, Query::closest);
         const std::vector<Hit> any = traceOnCpu(structure, rays, Query::any);
         for (size_t i = 0; i < rays.size(); ++i)
