@@ -81,10 +81,9 @@ ShadowRay emitterRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key) {
     vec3 emission = xyzOf(scene_at(frame.materialsAt + triangle.w * MATERIAL_STRIDE + 4u));
 
     precise float r = sqrt(square.x);
-    precise float b0 = 1.0f - r;
     precise float b1 = r * (1.0f - square.y);
     precise float b2 = r * square.y;
-    BoundedPoint q = pointOf(corners.a, corners.b, corners.c, b0, b1, b2);
+    BoundedPoint q = pointOf(corners.a, corners.b, corners.c, b1, b2);
     precise vec3 v = q.position - p.at.position;
     precise float squaredDistance = dot(v, v);
     precise vec3 l = v / sqrt(squaredDistance);

@@ -80,7 +80,7 @@ SurfacePoint surfaceAt(Ray ray, Hit hit) {
     vec3 b = vec3(b0, hit.u, hit.v);
 
     SurfacePoint p;
-    p.at = pointOf(corners.a, corners.b, corners.c, b.x, b.y, b.z);
+    p.at = pointOf(corners.a, corners.b, corners.c, hit.u, hit.v);
     vec3 faced = faceNormal(corners.a, corners.b, corners.c, -ray.direction);
     p.front = dot(ray.direction, faced) < 0.0f;
     p.normal = p.front ? faced : -faced;

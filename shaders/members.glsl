@@ -1,0 +1,37 @@
+// Names every member of every struct that crosses the border, in order, so that a test can see whether the device finds in each
+// what the host has put there.
+//
+// Whoever includes this declares put() for float, uint, vec3 before it.
+
+void putAll(Ray s) { put(s.origin); put(s.tMin); put(s.direction); put(s.tMax); }
+
+void putAll(Hit s) { put(s.t); put(s.u); put(s.v); put(s.primitive); }
+
+void putAll(StructureHeader s) {
+    put(s.lo); put(s.nodeCount); put(s.hi); put(s.triangleCount);
+    put(s.gridOrigin); put(s.walk); put(s.gridStep); put(s.reserved);
+}
+
+void putAll(FrameParams s) {
+    put(s.eye); put(s.halfWidth); put(s.forward); put(s.halfHeight); put(s.right); put(s.orthographic);
+    put(s.up); put(s.minContribution); put(s.zenith); put(s.width); put(s.horizon); put(s.height);
+    put(s.ground); put(s.samples); put(s.ambient); put(s.seed); put(s.maxDepth); put(s.slots);
+    put(s.lightCount); put(s.emitterCount); put(s.shadowRays); put(s.materialsAt); put(s.lightsAt); put(s.emittersAt);
+    put(s.trianglesAt); put(s.verticesAt); put(s.vertexStride); put(s.texturesAt); put(s.decodeAt);
+    put(s.unused0); put(s.unused1); put(s.unused2);
+}
+
+void putAll(TileStep s) { put(s.count); put(s.listAt); put(s.nextAt); put(s.firstPixel); }
+
+void putAll(PathState s) {
+    put(s.weight); put(s.depth); put(s.sum); put(s.discarded); put(s.pixel); put(s.sampleIndex); put(s.key);
+    put(s.pendingCount); put(s.closestRays); put(s.shadowRays); put(s.deepest); put(s.unused);
+}
+
+void putAll(PendingRay s) {
+    put(s.origin); put(s.depth); put(s.direction); put(s.key); put(s.weight); put(s.unused);
+}
+
+void putAll(PixelResult s) {
+    put(s.radiance); put(s.discarded); put(s.pixel); put(s.closestRays); put(s.shadowRays); put(s.deepest);
+}

@@ -1,0 +1,269 @@
+// Pictures: the same bits however the work is cut, on every device; every size and depth; nothing left out.
+#include "base/error.hpp"
+#include "rays/frame_kernels.hpp"
+#include "support/devices.hpp"
+#include "support/rendering.hpp"
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace raig {
+namespace {
+
+using namespace test;
+
+Material metal(const vec3& color, float roughness = 0.0f) {
+    Material m;
+    m.baseColor = color;
+    m.metallic = 1.0f;
+    m.roughness = roughness;
+    return m;
+}
+
+Material glass(float ior, const vec3& color = vec3(1.0f)) {
+    Material m;
+    m.baseColor = color;
+    m.roughness = 0.0f;
+    m.transmission = 1.0f;
+    m.ior = ior;
+    m.thin = false;
+    return m;
+}
+
+Material matte(const vec3& color) {
+    Material m;
+    m.baseColor = color;
+    return m;
+}
+
+/// All that shading knows: smooth and flat glass that absorbs, a mirror, a gloss, a texture, vertex colours, an emitter, and
+/// lights of every kind.
+Scene variedScene() {
+    Scene scene;
+    Material floor = matte(vec3(0.7f, 0.6f, 0.5f));
+    floor.baseColorTexture = Texture{0, Wrap::repeat, Wrap::mirror};
+    scene.images.push_back({2, 2, {255, 255, 255, 255, 200, 40, 40, 255, 40, 200, 40, 255, 90, 90, 255, 255}});
+    const uint32_t quad = addQuad(scene, {-4, 0, 4}, {8, 0, 0}, {0, 0, -8}, floor);
+    scene.meshes[quad].uvs = {{0, 0}, {5, 0}, {5, 5}, {0, 5}};
+    const uint32_t wall = addQuad(scene, {-4, 0, -4}, {8, 0, 0}, {0, 5, 0}, matte(vec3(0.8f)));
+    scene.meshes[wall].colors = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
+    Material tinted = glass(1.5f);
+    tinted.attenuationColor = vec3(0.4f, 0.9f, 0.6f);
+    tinted.attenuationDistance = 0.7f;
+    addSphere(scene, {-1.2f, 1.0f, 0.5f}, 1.0f, 10, true, tinted);
+    addSphere(scene, {1.2f, 1.0f, -0.5f}, 1.0f, 6, false, metal(vec3(0.9f, 0.8f, 0.5f)));
+    Material polished = matte(vec3(0.2f, 0.3f, 0.8f));
+    polished.roughness = 0.1f;
+    addSphere(scene, {0.3f, 0.5f, 2.0f}, 0.5f, 8, true, polished);
+    Material lamp = matte(vec3(0.0f));
+    lamp.emission = vec3(9.0f, 8.0f, 7.0f);
+    addQuad(scene, {-1, 4.5f, -1}, {2, 0, 0}, {0, 0, 2}, lamp);
+    scene.lights = {{.type = Light::Type::point, .position = {3, 3, 3}, .intensity = vec3(4.0f), .range = 9.0f},
+                    {.type = Light::Type::spot, .position = {-3, 4, 2}, .direction = glm::normalize(vec3(1, -1.2f, -0.6f)),
+                     .intensity = vec3(12, 10, 4), .innerConeAngle = 0.3f, .outerConeAngle = 0.6f},
+                    {.type = Light::Type::directional, .direction = glm::normalize(vec3(-0.3f, -1, -0.4f)),
+                     .intensity = vec3(0.4f)}};
+    scene.sky = {.zenith = {0.2f, 0.3f, 0.6f}, .horizon = {0.6f, 0.6f, 0.6f}, .ground = {0.1f, 0.1f, 0.1f}};
+    scene.ambient = vec3(0.05f);
+    scene.cameras.push_back(lookAt({0.5f, 2.0f, 6.0f}, {0.0f, 1.0f, 0.0f}));
+    return scene;
+}
+
+FrameOptions small(uint32_t width, uint32_t height, uint32_t samples = 2) {
+    FrameOptions options;
+    options.width = width;
+    options.height = height;
+    options.samples = samples;
+    return options;
+}
+
+bool isFinite(const Picture& picture) {
+    return std::ranges::all_of(picture.radiance, [](const vec3& c) { return raig::isFinite(c); }) &&
+           std::ranges::all_of(picture.discarded, [](float d) { return std::isfinite(d) && d >= 0.0f; });
+}
+
+// A pixel left out, or done twice, would be seen nowhere else.
+TEST(PixelOrder, VisitsEachPixelOnce) {
+    for (const uvec2 size : {uvec2(1, 1), uvec2(1, 17), uvec2(17, 1), uvec2(8, 8), uvec2(7, 9), uvec2(9, 7), uvec2(65, 33)}) {
+        shared::FrameKernels kernels;
+        kernels.frame.width = size.x;
+        kernels.frame.height = size.y;
+        std::vector<uint32_t> visits(size_t{size.x} * size.y);
+        for (uint32_t i = 0; i < visits.size(); ++i) ++visits.at(kernels.pixelOf(i));
+        EXPECT_EQ(std::ranges::count(visits, 1u), std::ssize(visits)) << size.x << " x " << size.y;
+    }
+}
+
+TEST(CpuFrame, HasTheSameBitsWhateverTilesThreadsAndRuns) {
+    const Stage stage(variedScene());
+    FrameOptions options = small(37, 29);
+    const std::vector<uint32_t> bits = bitsOf(stage.onCpu(options));
+    for (const uint32_t tile : {1u, 7u, 256u, 1000u}) {
+        options.tilePixels = tile;
+        EXPECT_EQ(bitsOf(stage.onCpu(options)), bits) << "tiles of " << tile;
+    }
+    tbb::task_arena(1).execute([&] { EXPECT_EQ(bitsOf(stage.onCpu(options)), bits) << "one thread"; });
+}
+
+TEST(CpuFrame, HasTheSameBitsWhateverTheStructure) {
+    const Stage bvh(variedScene()), brute(variedScene(), "brute");
+    EXPECT_EQ(bitsOf(bvh.onCpu(small(32, 24))), bitsOf(brute.onCpu(small(32, 24))));
+}
+
+// One row, one column, one pixel, sides that are no multiple of a block.
+TEST(CpuFrame, TakesEverySize) {
+    const Stage stage(variedScene());
+    for (const uvec2 size : {uvec2(1, 1), uvec2(1, 19), uvec2(19, 1), uvec2(13, 11)}) {
+        const Picture picture = stage.onCpu(small(size.x, size.y));
+        ASSERT_EQ(picture.radiance.size(), size_t{size.x} * size.y);
+        EXPECT_TRUE(isFinite(picture));
+        EXPECT_TRUE(std::ranges::all_of(picture.radiance, [](const vec3& c) { return c != vec3(0.0f); }));
+        EXPECT_GE(picture.statistics.closestRays, 2ull * size.x * size.y);
+    }
+}
+
+TEST(CpuFrame, GoesNoDeeperThanToldAndAsDeepAsThereIsWeight) {
+    const Stage stage(variedScene());
+    FrameOptions options = small(24, 24, 1);
+    options.minContribution = 0.0f;
+    for (const uint32_t depth : {0u, 1u, 5u}) {
+        options.maxDepth = depth;
+        const Picture picture = stage.onCpu(options);
+        EXPECT_EQ(picture.statistics.deepest, depth);
+        EXPECT_GT(*std::ranges::max_element(picture.discarded), 0.0f);
+    }
+    options.maxDepth = 64;
+    options.minContribution = 1.0f / 512.0f;
+    const Picture deep = stage.onCpu(options);
+    EXPECT_GT(deep.statistics.deepest, 8u);
+    EXPECT_LE(deep.statistics.deepest, 64u);
+    EXPECT_TRUE(isFinite(deep));
+}
+
+// Without reflection nothing is cut off.
+TEST(CpuFrame, DiscardsNothingWhereNothingReflects) {
+    Scene scene;
+    addQuad(scene, {-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, matte(vec3(0.5f)));
+    scene.cameras.push_back(lookAt({0, 0, 3}, {0, 0, 0}));
+    scene.ambient = vec3(1.0f);
+    FrameOptions options = small(16, 16);
+    options.maxDepth = 0;
+    const Picture picture = Stage(scene).onCpu(options);
+    EXPECT_EQ(*std::ranges::max_element(picture.discarded), 0.0f);
+    EXPECT_EQ(picture.statistics.closestRays, 16u * 16u * 2u);
+    EXPECT_EQ(picture.statistics.shadowRays, 0u);
+}
+
+TEST(CpuFrame, ReportsProgressThatGrowsToTheEnd) {
+    const Stage stage(variedScene());
+    FrameOptions options = small(40, 40);
+    options.tilePixels = 100;
+    double last = 0.0, lastRays = 0.0;
+    bool grows = true;
+    renderPicture(stage.scene, stage.geometry, *makeCpuTracer(stage.structure), options, [&](double fraction, double rays) {
+        grows = grows && fraction >= last && fraction <= 1.0 && rays >= lastRays;
+        last = fraction;
+        lastRays = rays;
+    });
+    EXPECT_TRUE(grows);
+    EXPECT_EQ(last, 1.0);
+}
+
+TEST(CpuFrame, RefusesPicturesAndLightsBeyondReach) {
+    Scene scene = variedScene();
+    const Stage stage(scene);
+    EXPECT_THROW(stage.onCpu(small(65536, 65536)), Error);
+    EXPECT_THROW(cameraRays(scene, small(65536, 65536)), Error);
+    scene.lights.resize(40000);
+    EXPECT_THROW(Stage(scene).onCpu(small(8, 8)), Error);
+}
+
+TEST(CameraRays, StartAtTheEyeThroughEachPixelsCentre) {
+    Scene scene;
+    scene.cameras.push_back(lookAt({1, 2, 3}, {1, 2, 0}, 2.0f * std::atan(0.5f)));
+    const std::vector<Ray> rays = cameraRays(scene, small(4, 2, 1));
+    ASSERT_EQ(rays.size(), 8u);
+    // The upper left pixel's centre, at distance 1: x = -3/4 of half width 1, y = 1/2 of half height 1/2.
+    const dvec3 want = glm::normalize(dvec3(-0.75, 0.25, -1.0));
+    for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(rays[0].direction[axis], want[axis], 1e-7);
+    EXPECT_EQ(rays[0].origin, vec3(1, 2, 3));
+    EXPECT_NEAR(rays[7].direction.x, -rays[0].direction.x, 1e-7f);
+    EXPECT_NEAR(rays[7].direction.y, -rays[0].direction.y, 1e-7f);
+}
+
+TEST(CameraRays, OfAnOrthographicCameraAreParallelAndKeepTheAspect) {
+    Scene scene;
+    Camera camera = lookAt({0, 0, 5}, {0, 0, 0});
+    camera.orthographic = true;
+    camera.xmag = 1.0f;
+    camera.ymag = 1.0f;
+    scene.cameras.push_back(camera);
+    const std::vector<Ray> rays = cameraRays(scene, small(4, 2, 1));
+    for (const Ray& ray : rays) EXPECT_EQ(ray.direction, vec3(0, 0, -1));
+    EXPECT_NEAR(rays[0].origin.x, -1.5f, 1e-6f);  // widened to 4 : 2
+    EXPECT_NEAR(rays[0].origin.y, 0.5f, 1e-6f);
+}
+
+class DeviceFrame : public OnEveryDevice {};
+INSTANTIATE_TEST_SUITE_P(Devices, DeviceFrame, testing::ValuesIn(devicesToTest()), testName);
+
+TEST_P(DeviceFrame, HasTheSameBitsWhateverTheTilesAndRuns) {
+    Device device(info);
+    const Stage stage(variedScene());
+    FrameOptions options = small(37, 29);
+    const std::vector<uint32_t> bits = bitsOf(stage.on(device, options));
+    for (const uint32_t tile : {33u, 256u, 1000u, 0u}) {
+        options.tilePixels = tile;
+        EXPECT_EQ(bitsOf(stage.on(device, options)), bits) << "tiles of " << tile;
+    }
+}
+
+// The same code in the same arithmetic: no pixel may differ where + - * / and sqrt are exact, but for denormals.
+TEST_P(DeviceFrame, EqualsTheCpusToTheBitOnExactDevices) {
+    Device device(info);
+    const Stage stage(variedScene());
+    FrameOptions options = small(96, 72, 4);
+    const Picture onDevice = stage.on(device, options), onCpu = stage.onCpu(options);
+    EXPECT_EQ(countDifferent(onDevice, onCpu), 0u);
+    EXPECT_EQ(onDevice.statistics.closestRays, onCpu.statistics.closestRays);
+    EXPECT_EQ(onDevice.statistics.shadowRays, onCpu.statistics.shadowRays);
+    EXPECT_EQ(onDevice.statistics.deepest, onCpu.statistics.deepest);
+}
+
+TEST_P(DeviceFrame, HasTheSameBitsFromSplitArraysAndFromEitherKindOfLoad) {
+    const Stage stage(variedScene());
+    Device whole(info);
+    const std::vector<uint32_t> bits = bitsOf(stage.on(whole, small(24, 24)));
+    Device split(info, {.largestBindingElements = 2048});
+    EXPECT_EQ(bitsOf(stage.on(split, small(24, 24))), bits);
+    Device storage(info, {.loadsTexel = false});
+    EXPECT_EQ(bitsOf(stage.on(storage, small(24, 24))), bits);
+}
+
+TEST_P(DeviceFrame, TakesEverySizeAndDepth) {
+    Device device(info);
+    const Stage stage(variedScene());
+    for (const uvec2 size : {uvec2(1, 1), uvec2(1, 19), uvec2(19, 1), uvec2(13, 11)})
+        EXPECT_EQ(bitsOf(stage.on(device, small(size.x, size.y))).size(), size_t{4} * size.x * size.y + 2);
+    FrameOptions options = small(16, 16, 1);
+    options.maxDepth = 0;
+    EXPECT_EQ(stage.on(device, options).statistics.deepest, 0u);
+    options.maxDepth = 64;
+    EXPECT_GT(stage.on(device, options).statistics.deepest, 8u);
+}
+
+TEST_P(DeviceFrame, OfAnEmptySceneIsTheSky) {
+    Device device(info);
+    Scene scene;
+    scene.materials.emplace_back();
+    scene.sky = {.zenith = vec3(0.25f), .horizon = vec3(0.25f), .ground = vec3(0.25f)};
+    scene.cameras.emplace_back();
+    const Stage stage(scene);
+    for (const Picture& picture : {stage.on(device, small(9, 5)), stage.onCpu(small(9, 5))})
+        for (const vec3& c : picture.radiance) EXPECT_NEAR(c.x, 0.25f, 1e-7f);
+}
+
+}  // namespace
+}  // namespace raig

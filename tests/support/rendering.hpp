@@ -1,0 +1,116 @@
+/// Scenes put together in tests, and pictures of them by every way there is.
+#pragma once
+
+#include "base/parallel.hpp"
+#include "rays/frame.hpp"
+#include "rays/lights.hpp"
+#include "scene/import.hpp"
+
+#include <memory>
+
+namespace raig::test {
+
+/// Adds a mesh of its own, with one material, where it stands. Returns its index.
+inline uint32_t addMesh(Scene& scene, std::vector<vec3> positions, std::vector<uvec3> triangles, const Material& material) {
+    Mesh mesh;
+    mesh.positions = std::move(positions);
+    mesh.triangles = std::move(triangles);
+    mesh.materials.assign(mesh.triangles.size(), static_cast<uint32_t>(scene.materials.size()));
+    scene.materials.push_back(material);
+    scene.meshes.push_back(std::move(mesh));
+    const auto index = static_cast<uint32_t>(scene.meshes.size() - 1);
+    scene.instances.push_back({index, dmat4(1.0)});
+    return index;
+}
+
+/// The parallelogram at `corner` between edges u and v; its front is where u, v and the viewer's side are right-handed.
+inline uint32_t addQuad(Scene& scene, const vec3& corner, const vec3& u, const vec3& v, const Material& material) {
+    return addMesh(scene, {corner, corner + u, corner + u + v, corner + v}, {{0, 1, 2}, {0, 2, 3}}, material);
+}
+
+/// A closed sphere of rings x 2 rings quads, faces outwards; with its exact normals if `smooth`.
+inline uint32_t addSphere(Scene& scene, const vec3& centre, float radius, uint32_t rings, bool smooth, const Material& material) {
+    std::vector<vec3> directions;
+    std::vector<uvec3> triangles;
+    const uint32_t around = 2 * rings;
+    for (uint32_t i = 0; i <= rings; ++i)
+        for (uint32_t j = 0; j < around; ++j) {
+            const double theta = M_PI * i / rings, phi = 2.0 * M_PI * j / around;
+            directions.emplace_back(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
+        }
+    for (uint32_t i = 0; i < rings; ++i)
+        for (uint32_t j = 0; j < around; ++j) {
+            const uint32_t a = i * around + j, b = i * around + (j + 1) % around;
+            if (i > 0) triangles.emplace_back(a, b, b + around);
+            if (i + 1 < rings) triangles.emplace_back(a, b + around, a + around);
+        }
+    // The poles are one point each: all of the first and the last row are equal.
+    for (uint32_t j = 0; j < around; ++j) {
+        directions[j] = vec3(0.0f, 1.0f, 0.0f);
+        directions[rings * around + j] = vec3(0.0f, -1.0f, 0.0f);
+    }
+    std::vector<vec3> positions;
+    for (const vec3& direction : directions) positions.push_back(centre + radius * direction);
+    const uint32_t mesh = addMesh(scene, std::move(positions), std::move(triangles), material);
+    if (smooth)
+        for (const vec3& direction : directions) scene.meshes[mesh].normals.push_back(glm::normalize(direction));
+    return mesh;
+}
+
+/// A camera at `eye` that looks at `target`, +y up.
+inline Camera lookAt(const vec3& eye, const vec3& target, float yfov = 0.785398f) {
+    Camera camera;
+    camera.eye = eye;
+    camera.forward = glm::normalize(target - eye);
+    camera.right = glm::normalize(glm::cross(camera.forward, vec3(0.0f, 1.0f, 0.0f)));
+    camera.up = glm::cross(camera.right, camera.forward);
+    camera.yfov = yfov;
+    return camera;
+}
+
+inline std::vector<Triangle> trianglesOf(const Geometry& geometry) {
+    std::vector<Triangle> triangles;
+    for (const uvec3& t : geometry.triangles)
+        triangles.push_back({geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z]});
+    return triangles;
+}
+
+/// A scene with all that rendering it takes.
+struct Stage {
+    explicit Stage(Scene s, const std::string& accel = "bvh") : scene(std::move(s)), geometry(flatten(scene)) {
+        structure = structureType(accel).build(trianglesOf(geometry), {});
+        const std::vector<uint8_t> seeThrough = findSeeThrough(scene, geometry);
+        if (!seeThrough.empty()) structure.markSeeThrough(seeThrough);
+    }
+    Picture onCpu(const FrameOptions& options) const {
+        return renderPicture(scene, geometry, *makeCpuTracer(structure), options);
+    }
+    Picture on(Device& device, const FrameOptions& options) const {
+        return renderPicture(device, scene, geometry, *makeDeviceTracer(device, structure), options);
+    }
+
+    Scene scene;
+    Geometry geometry;
+    Structure structure;
+};
+
+/// Bits of a picture: equal exactly if radiance, discarded weights and ray counts are.
+inline std::vector<uint32_t> bitsOf(const Picture& picture) {
+    std::vector<uint32_t> bits;
+    const auto put = [&](float x) { bits.push_back(std::bit_cast<uint32_t>(x)); };
+    for (const vec3& c : picture.radiance) put(c.x), put(c.y), put(c.z);
+    for (const float discarded : picture.discarded) put(discarded);
+    for (const uint64_t count : {picture.statistics.closestRays, picture.statistics.shadowRays})
+        bits.push_back(static_cast<uint32_t>(count));
+    return bits;
+}
+
+/// Pixels whose radiance or discarded weight differ in any bit.
+inline size_t countDifferent(const Picture& a, const Picture& b) {
+    size_t different = 0;
+    for (size_t i = 0; i < a.radiance.size(); ++i)
+        different += a.radiance[i] != b.radiance[i] || a.discarded[i] != b.discarded[i];
+    return different;
+}
+
+}  // namespace raig::test
