@@ -66,6 +66,19 @@ TEST(CompareHits, RightAnswersAreTheSame) {
     EXPECT_EQ(got.count(HitClass::same), 500u);
     EXPECT_EQ(got.faultCount(), 0u);
     EXPECT_EQ(got.tUlp.max, 0.0);
+    EXPECT_GT(got.met, 400u) << "the rays test little";
+    EXPECT_LT(got.offset.max, 1.0);
+}
+
+// A tracer that names the right triangle at a wrong distance is not right.
+TEST(CompareHits, AWrongDistanceToTheRightTriangleShows) {
+    const Judge judge(floors(4));
+    const std::vector<Ray> rays{judge.down(0.3f, 0.4f), judge.down(0.6f, 0.7f)};
+    std::vector<Hit> hits{judge.truth(rays[0]), judge.truth(rays[1])};
+    hits[1].t *= 1.001f;
+    const HitComparison got = compareHits(judge.tree, rays, hits);
+    EXPECT_EQ(got.count(HitClass::same), 2u);
+    EXPECT_NEAR(got.offset.max, 0.001 / 0x1p-20, 2.0) << "8 ULP of 1 are 2^-20";
 }
 
 TEST(CompareHits, PlantedFaultsAreFoundAndNamed) {
@@ -79,11 +92,11 @@ TEST(CompareHits, PlantedFaultsAreFoundAndNamed) {
     rays.push_back(judge.down(20.0f, 0.0f));
     hits.push_back({1.0f, 0.1f, 0.1f, 5});  // beside all that there is
     hits[10] = Judge::nothing;
-    hits[20].primitive = 32;                // the lower floor, through the upper one
+    hits[20].primitive = 32;  // the lower floor, through the upper one
     hits[20].t = 2.0f;
-    hits[30].primitive ^= 8;                // a triangle elsewhere
+    hits[30].primitive ^= 8;  // a triangle elsewhere
     hits[40].t = NAN;
-    hits[50].primitive = 34;                // there are 34: 0 to 33
+    hits[50].primitive = 34;  // there are 34: 0 to 33
     hits[60].t = -1.0f;
     const HitComparison got = compareHits(judge.tree, rays, hits);
     EXPECT_EQ(got.count(HitClass::missed), 1u);
@@ -234,6 +247,14 @@ TEST(ComparePictures, TheReferenceAgreesWithItself) {
     EXPECT_EQ(got.everywhere.nan, 0u);
     EXPECT_EQ(got.outsideTies.pixels + got.ties, 48u * 32u);
     EXPECT_LT(got.ties, 48u) << "few pixels are at the mercy of rounding";
+}
+
+// Black compared with black agrees exactly, and must be told apart from a picture that is right.
+TEST(ComparePictures, BlankReferencesAreTold) {
+    reference::Picture expected = expectedPicture();
+    EXPECT_FALSE(compareToReference(roundedImage(expected), expected).blank);
+    std::fill(expected.radiance.begin(), expected.radiance.end(), dvec3(0.0));
+    EXPECT_TRUE(compareToReference(roundedImage(expected), expected).blank);
 }
 
 TEST(ComparePictures, OnlyTiesAreLeftOut) {

@@ -80,9 +80,13 @@ Material clear(float ior, bool thin = false) {
     return m;
 }
 
-Ray rayTo(const dvec3& origin, const dvec3& target) { return {origin, glm::normalize(target - origin)}; }
+Ray rayTo(const dvec3& origin, const dvec3& target) {
+    return {origin, glm::normalize(target - origin)};
+}
 
-Bounds bounds(uint32_t maxDepth, float minContribution = 0.0f) { return {maxDepth, minContribution, /* seed= */ 0}; }
+Bounds bounds(uint32_t maxDepth, float minContribution = 0.0f) {
+    return {maxDepth, minContribution, /* seed= */ 0};
+}
 
 Hit bruteForce(const Geometry& geometry, const Ray& ray) {
     Hit best;
@@ -193,8 +197,7 @@ Scene sphere(uint32_t rings, float radius, const vec3& centre) {
     for (uint32_t ring = 0; ring < rings; ++ring)
         for (uint32_t step = 0; step < around; ++step) {
             if (ring > 0) builder.triangle(point(ring, step), point(ring, step + 1), point(ring + 1, step));
-            if (ring + 1 < rings)
-                builder.triangle(point(ring, step + 1), point(ring + 1, step + 1), point(ring + 1, step));
+            if (ring + 1 < rings) builder.triangle(point(ring, step + 1), point(ring + 1, step + 1), point(ring + 1, step));
         }
     return builder.scene;
 }
@@ -345,7 +348,8 @@ TEST(ReferenceRecursion, FacingMirrorsSumTheGeometricSeries) {
             const double left = std::pow(double{k}, depth + 1.0);
             EXPECT_NEAR(got.value.x, (1.0 - left) / (1.0 - k), 1e-12) << k << " to depth " << depth;
             EXPECT_NEAR(got.discarded, left, 1e-13);
-            EXPECT_NEAR(1.0 / (1.0 - k) - got.value.x, got.discarded * (1.0 / (1.0 - k)), 1e-11) << "the bound is met exactly";
+            EXPECT_NEAR(1.0 / (1.0 - k) - got.value.x, got.discarded * (1.0 / (1.0 - k)), 1e-11)
+                << "the bound is met exactly";
         }
         const Radiance cut = traceRay(made.world, {dvec3(0.1, 0.2, 0), dvec3(0, 0, -1)}, bounds(1000, 0.1f), {});
         EXPECT_LT(cut.discarded, 0.1);

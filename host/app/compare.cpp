@@ -1,10 +1,10 @@
 // `raig compare`: a scene's hits and picture against the double-precision reference, or one picture against another.
+#include "measure/compare.hpp"
 #include "app/commands.hpp"
 #include "app/progress.hpp"
 #include "app/setup.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "measure/compare.hpp"
 #include "measure/compare_rays.hpp"
 #include "rays/frame.hpp"
 
@@ -23,22 +23,26 @@ using Clock = std::chrono::steady_clock;
 /// The largest root mean square difference, outside ties, that a picture may have.
 constexpr double rmseBound = 1e-3;
 
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double secondsSince(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 void print(const Json& document) {
     std::puts(document.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
 }
 
 Json toJson(const PictureDifference& d) {
-    return {{"rmse", d.rmse},          {"relmse", d.relmse},     {"psnr", d.psnr}, {"ssim", d.ssim}, {"flip_mean", d.flipMean},
-            {"flip_p99", d.flipP99},   {"flip_max", d.flipMax},  {"max", d.max},   {"nan", d.nan},   {"compared", d.pixels}};
+    return {{"rmse", d.rmse},        {"relmse", d.relmse},    {"psnr", d.psnr}, {"ssim", d.ssim}, {"flip_mean", d.flipMean},
+            {"flip_p99", d.flipP99}, {"flip_max", d.flipMax}, {"max", d.max},   {"nan", d.nan},   {"compared", d.pixels}};
 }
 
-Json toJson(const Spread& spread) { return {{"median", spread.median}, {"p99", spread.p99}, {"max", spread.max}}; }
+Json toJson(const Spread& spread) {
+    return {{"median", spread.median}, {"p99", spread.p99}, {"max", spread.max}};
+}
 
 void printRow(const char* name, const PictureDifference& d) {
-    fmt::print("{:14} {:>8}  {:.3e}  {:.3e}  {:.3e}  {:6.2f}  {:.5f}  {:.5f}  {:.5f}  {:>5}\n", name, d.pixels, d.max, d.rmse,
-               d.relmse, d.psnr, d.ssim, d.flipMean, d.flipP99, d.nan);
+    fmt::print("{:14} {:>8}  {:.3e}  {:.3e}  {:.3e}  {:6.2f}  {:.5f}  {:.5f}  {:.5f}  {:>5}\n", name, d.pixels, d.max,
+               d.rmse, d.relmse, d.psnr, d.ssim, d.flipMean, d.flipP99, d.nan);
 }
 
 void printPixelHeader() {
@@ -55,8 +59,9 @@ void writeDifference(const Options& options, const Image& test, const Image& exp
 int comparePictureFiles(const Options& options) {
     const Image test = readPicture(options.inputs[0]), expected = readPicture(options.inputs[1]);
     if (test.width != expected.width || test.height != expected.height)
-        throw inputError(options.inputs[1].string(), "is {} x {}, but {} is {} x {}; only pictures of one size can be compared",
-                         expected.width, expected.height, options.inputs[0].string(), test.width, test.height);
+        throw inputError(options.inputs[1].string(),
+                         "is {} x {}, but {} is {} x {}; only pictures of one size can be compared", expected.width,
+                         expected.height, options.inputs[0].string(), test.width, test.height);
     const PictureDifference difference = comparePictures(test, expected);
     writeDifference(options, test, expected);
     if (options.json) {
@@ -79,7 +84,7 @@ struct Findings {
     std::vector<Family> families;
     HitComparison all;  ///< faults: of the first family that has any
     PictureComparison pixels;
-    Spread discarded;   ///< only max is used
+    Spread discarded;  ///< only max is used
     double discardedMean = 0.0;
     double deviceSeconds = 0.0;
     double referenceSeconds = 0.0;
@@ -104,6 +109,10 @@ std::vector<Family> compareFamilies(Setup& setup, const reference::Tree& tree, c
 HitComparison sum(const std::vector<Family>& families) {
     HitComparison all;
     for (const auto& [name, comparison] : families) {
+        all.met += comparison.met;
+        all.offset.median = std::max(all.offset.median, comparison.offset.median);
+        all.offset.p99 = std::max(all.offset.p99, comparison.offset.p99);
+        all.offset.max = std::max(all.offset.max, comparison.offset.max);
         for (size_t i = 0; i < all.counts.size(); ++i) all.counts[i] += comparison.counts[i];
         all.tUlp.median = std::max(all.tUlp.median, comparison.tUlp.median);
         all.tUlp.p99 = std::max(all.tUlp.p99, comparison.tUlp.p99);
@@ -123,8 +132,9 @@ Image imageOf(const Picture& picture) {
 
 Picture renderOnDevice(Setup& setup, const FrameOptions& frame) {
     Progress progress("device");
-    return setup.device ? renderPicture(*setup.device, setup.scene, setup.geometry, *setup.deviceTracer, frame, progress.callback())
-                        : renderPicture(setup.scene, setup.geometry, *setup.tracer, frame, progress.callback());
+    return setup.device
+               ? renderPicture(*setup.device, setup.scene, setup.geometry, *setup.deviceTracer, frame, progress.callback())
+               : renderPicture(setup.scene, setup.geometry, *setup.tracer, frame, progress.callback());
 }
 
 reference::Picture renderReference(const reference::World& world, const FrameOptions& frame) {
@@ -150,9 +160,14 @@ Json toJson(const Options& options, const Setup& setup, const FrameOptions& fram
             const std::vector<std::string>& shortfalls) {
     Json families;
     for (const auto& [name, comparison] : found.families)
-        families[name] = {{"rays", comparison.rays()}, {"hits", toJson(comparison)}, {"t_ulp", toJson(comparison.tUlp)}};
+        families[name] = {{"rays", comparison.rays()},
+                          {"met", comparison.met},
+                          {"hits", toJson(comparison)},
+                          {"t_ulp", toJson(comparison.tUlp)},
+                          {"offset", toJson(comparison.offset)}};
     Json pixels = toJson(found.pixels.outsideTies);
     pixels["ties"] = found.pixels.ties;
+    pixels["blank"] = found.pixels.blank;
     pixels["with_ties"] = toJson(found.pixels.everywhere);
     return {{"scene", options.inputs[0].string()},
             {"device", setup.deviceName()},
@@ -163,6 +178,7 @@ Json toJson(const Options& options, const Setup& setup, const FrameOptions& fram
             {"samples", frame.samples},
             {"hits", toJson(found.all)},
             {"t_ulp", toJson(found.all.tUlp)},
+            {"offset", toJson(found.all.offset)},
             {"families", families},
             {"pixels", pixels},
             {"discarded_weight", {{"mean", found.discardedMean}, {"max", found.discarded.max}}},
@@ -172,11 +188,12 @@ Json toJson(const Options& options, const Setup& setup, const FrameOptions& fram
 }
 
 void printTable(const Findings& found) {
-    fmt::print("{:14} {:>8}  {:>8} {:>8} {:>8} {:>8} {:>8}   {}\n", "rays", "traced", "same", "tie", "missed", "phantom", "wrong",
-               "t in ULP: median, 99 %, max");
+    fmt::print("{:8} {:>8} {:>8}  {:>8} {:>8} {:>6} {:>7} {:>6}  {:>7}  {}\n", "rays", "traced", "hit", "same", "tie",
+               "missed", "phantom", "wrong", "offset", "t in ULP: median, 99 %, max");
     for (const auto& [name, c] : found.families)
-        fmt::print("{:14} {:>8}  {:>8} {:>8} {:>8} {:>8} {:>8}   {}, {}, {}\n", name, c.rays(), c.counts[0], c.counts[1],
-                   c.counts[2], c.counts[3], c.counts[4], c.tUlp.median, c.tUlp.p99, c.tUlp.max);
+        fmt::print("{:8} {:>8} {:>8}  {:>8} {:>8} {:>6} {:>7} {:>6}  {:>7.3f}  {}, {}, {}\n", name, c.rays(), c.met,
+                   c.counts[0], c.counts[1], c.counts[2], c.counts[3], c.counts[4], c.offset.max, c.tUlp.median, c.tUlp.p99,
+                   c.tUlp.max);
     printPixelHeader();
     printRow("outside ties", found.pixels.outsideTies);
     printRow("with ties", found.pixels.everywhere);
@@ -193,6 +210,8 @@ std::vector<std::string> listShortfalls(const Findings& found) {
     if (all.faultCount() > 0)
         lines.push_back(fmt::format("{} rays missed, {} phantom, {} wrong; allowed: 0", all.count(HitClass::missed),
                                     all.count(HitClass::phantom), all.count(HitClass::wrong)));
+    if (!(all.offset.max <= 1.0))
+        lines.push_back(fmt::format("a hit lies {:.3f} tolerances off its triangle; allowed: 1", all.offset.max));
     if (found.pixels.everywhere.nan > 0)
         lines.push_back(fmt::format("{} pixels are not finite; allowed: 0", found.pixels.everywhere.nan));
     if (!(found.pixels.outsideTies.rmse <= rmseBound))
@@ -200,11 +219,20 @@ std::vector<std::string> listShortfalls(const Findings& found) {
     return lines;
 }
 
+/// Agreement about nothing must not look like agreement.
+void warnIfVacuous(const Findings& found) {
+    if (found.pixels.blank)
+        log::warn("every pixel of the reference has the same colour: that the pictures agree says nothing; try --camera");
+    for (const auto& [name, comparison] : found.families)
+        if (comparison.met == 0)
+            log::warn("none of the {} {} rays hits anything: that they agree says little", comparison.rays(), name);
+}
+
 void noteFaults(const HitComparison& all) {
     for (const HitComparison::Fault& fault : all.faults)
         log::note("ray {}: {}: the reference has triangle {} at {}, the device {} at {}", fault.ray,
-                  hitClassNames[static_cast<uint32_t>(fault.kind)], static_cast<int32_t>(fault.oracle.primitive), fault.oracle.t,
-                  static_cast<int32_t>(fault.device.primitive), fault.device.t);
+                  hitClassNames[static_cast<uint32_t>(fault.kind)], static_cast<int32_t>(fault.oracle.primitive),
+                  fault.oracle.t, static_cast<int32_t>(fault.device.primitive), fault.device.t);
 }
 
 int compareScene(const Options& options) {
@@ -239,6 +267,7 @@ int compareScene(const Options& options) {
 
     const std::vector<std::string> shortfalls = listShortfalls(found);
     noteFaults(found.all);
+    warnIfVacuous(found);
     if (options.json)
         print(toJson(options, *setup, frame, found, shortfalls));
     else

@@ -21,7 +21,9 @@ Corners cornersOf(const Geometry& geometry, uint32_t triangle) {
     return {geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z]};
 }
 
-double largest(const dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+double largest(const dvec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
 
 /// False for an answer that no ray can have.
 bool isAnswer(const Geometry& geometry, const Ray& ray, const Hit& hit) {
@@ -66,6 +68,13 @@ bool nearbyRaySees(const reference::Tree& tree, const reference::Ray& ray, uint3
     return false;
 }
 
+/// How far the point that a hit's t stands for is from its triangle, in units of the tolerance there.
+double offsetOf(const Geometry& geometry, const Ray& ray, const Hit& hit) {
+    const Corners k = cornersOf(geometry, hit.primitive);
+    const dvec3 point = dvec3(ray.origin) + double{hit.t} * dvec3(ray.direction);
+    return reference::distanceToTriangle(point, k.a, k.b, k.c) / positionTolerance(ray, k.a, k.b, k.c);
+}
+
 /// A float's place in the order of all floats.
 int64_t rankOf(float x) {
     const int64_t bits = std::bit_cast<int32_t>(x);
@@ -74,22 +83,27 @@ int64_t rankOf(float x) {
 
 }  // namespace
 
-reference::Ray widen(const Ray& ray) { return {ray.origin, ray.direction, ray.tMin, ray.tMax}; }
+reference::Ray widen(const Ray& ray) {
+    return {ray.origin, ray.direction, ray.tMin, ray.tMax};
+}
 
-uint64_t ulpsApart(float a, float b) { return static_cast<uint64_t>(std::abs(rankOf(a) - rankOf(b))); }
+uint64_t ulpsApart(float a, float b) {
+    return static_cast<uint64_t>(std::abs(rankOf(a) - rankOf(b)));
+}
 
 double positionTolerance(const Ray& ray, const vec3& a, const vec3& b, const vec3& c) {
     const dvec3 o = ray.origin;
-    return 8.0 * reference::floatUlp(std::max({largest(o), largest(dvec3(a) - o), largest(dvec3(b) - o), largest(dvec3(c) - o)}));
+    return 8.0 *
+           reference::floatUlp(std::max({largest(o), largest(dvec3(a) - o), largest(dvec3(b) - o), largest(dvec3(c) - o)}));
 }
 
 HitClass classifyHit(const reference::Tree& tree, const Ray& ray, const reference::Hit& oracle, const Hit& device) {
     const Geometry& geometry = tree.geometry();
     if (!isAnswer(geometry, ray, device)) return HitClass::wrong;
     if (device.primitive == oracle.primitive) return HitClass::same;
-    const HitClass fault = device.primitive == NO_HIT        ? HitClass::missed
+    const HitClass fault = device.primitive == NO_HIT       ? HitClass::missed
                            : oracle.primitive == noTriangle ? HitClass::phantom
-                                                             : HitClass::wrong;
+                                                            : HitClass::wrong;
     const reference::Ray wide = widen(ray);
     if (!reference::isUsable(wide)) return fault;
     if (device.primitive != NO_HIT && passesBy(geometry, ray, oracle, device.primitive)) return HitClass::tie;
@@ -108,7 +122,9 @@ Spread spreadOf(std::vector<double> values) {
     return {rank(0.5), rank(0.99), values.back()};
 }
 
-uint64_t HitComparison::rays() const { return counts[0] + counts[1] + counts[2] + counts[3] + counts[4]; }
+uint64_t HitComparison::rays() const {
+    return counts[0] + counts[1] + counts[2] + counts[3] + counts[4];
+}
 
 uint64_t HitComparison::faultCount() const {
     return count(HitClass::missed) + count(HitClass::phantom) + count(HitClass::wrong);
@@ -125,15 +141,19 @@ HitComparison compareHits(const reference::Tree& tree, std::span<const Ray> rays
         }
     });
     HitComparison result;
-    std::vector<double> ulps;
+    std::vector<double> ulps, offsets;
     for (size_t i = 0; i < rays.size(); ++i) {
         ++result.counts[static_cast<uint32_t>(kinds[i])];
-        if (kinds[i] == HitClass::same && hits[i].primitive != NO_HIT)
+        result.met += oracle[i].primitive != noTriangle;
+        if (kinds[i] == HitClass::same && hits[i].primitive != NO_HIT) {
             ulps.push_back(static_cast<double>(ulpsApart(static_cast<float>(oracle[i].t), hits[i].t)));
+            offsets.push_back(offsetOf(tree.geometry(), rays[i], hits[i]));
+        }
         if (kinds[i] != HitClass::same && kinds[i] != HitClass::tie && result.faults.size() < 16)
             result.faults.push_back({i, kinds[i], oracle[i], hits[i]});
     }
     result.tUlp = spreadOf(std::move(ulps));
+    result.offset = spreadOf(std::move(offsets));
     return result;
 }
 
@@ -152,6 +172,7 @@ PictureComparison compareToReference(const Image& picture, const reference::Pict
     result.outsideTies = comparePictures(picture, rounded, ties);
     result.everywhere = comparePictures(picture, rounded);
     result.ties = static_cast<uint64_t>(std::count(ties.begin(), ties.end(), 1));
+    for (const dvec3& colour : expected.radiance) result.blank &= colour == expected.radiance[0];
     return result;
 }
 

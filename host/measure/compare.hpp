@@ -31,10 +31,12 @@ uint64_t ulpsApart(float a, float b);
 double positionTolerance(const Ray& ray, const vec3& a, const vec3& b, const vec3& c);
 
 /// Classes a device's answer. With d = positionTolerance of the triangle in question, it is a tie where
-///   - the device names a triangle that the ray passes within its d of, no farther along the ray than the oracle's hit is, or
+///   - the device names a triangle that the ray passes within its d of, no farther along the ray than the oracle's hit is,
+///   or
 ///     where the oracle's triangle is within its d too (a shared edge, duplicates); or
 ///   - one of 8 rays moved sideways by the d of the oracle's triangle gets the device's answer from the reference, be it
-///     nothing or a triangle farther away (a silhouette). A hole in a closed surface is no tie: no ray nearby sees through it.
+///     nothing or a triangle farther away (a silhouette). A hole in a closed surface is no tie: no ray nearby sees through
+///     it.
 /// `same` says nothing of t: compareHits measures that.
 ///
 /// Requires  oracle == tree.closest(widen(ray)). `device` may be anything.
@@ -51,7 +53,15 @@ Spread spreadOf(std::vector<double> values);
 
 struct HitComparison {
     std::array<uint64_t, 5> counts{};  ///< by HitClass
-    Spread tUlp;                       ///< distance of t from the oracle's, rounded to float, where the triangle is the same
+    uint64_t met = 0;                  ///< rays that hit something by the reference: of no such ray, the rest says little
+
+    /// Where the triangle is the same: how far t is from the oracle's, rounded to float, in ULP. This grows without bound at
+    /// grazing incidence and for t near 0, where t is ill-conditioned; `offset` does not.
+    Spread tUlp;
+
+    /// Where the triangle is the same: how far origin + t * direction is from it, in units of positionTolerance. Above 1, t
+    /// is wrong, though the triangle is right.
+    Spread offset;
 
     /// Rays that were neither same nor tie, in order; at most 16 are kept.
     struct Fault {
@@ -75,7 +85,9 @@ HitComparison compareHits(const reference::Tree& tree, std::span<const Ray> rays
 struct PictureComparison {
     PictureDifference outsideTies;  ///< over the pixels that rounding cannot change
     PictureDifference everywhere;
-    uint64_t ties = 0;              ///< pixels left out of outsideTies
+    uint64_t ties = 0;  ///< pixels left out of outsideTies
+    /// Every pixel of the reference has the same colour: a picture that agrees with it proves nothing.
+    bool blank = true;
 };
 
 /// A pixel whose value in double precision moves by more than this, in any channel, when its rays are rounded as floats are,

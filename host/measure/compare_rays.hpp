@@ -8,8 +8,8 @@
 
 namespace raig {
 
-/// Rays that go on in a random direction from where `rays` hit, on the side they came from; those that hit nothing have none.
-/// Origins are floats, 8 ULP off the surface. The same rays every time. Cost: one closest hit a ray, over all cores.
+/// Rays that go on in a random direction from where `rays` hit, on the side they came from; those that hit nothing have
+/// none. Origins are floats, 8 ULP off the surface. The same rays every time. Cost: one closest hit a ray, over all cores.
 std::vector<Ray> bounceRays(const reference::Tree& tree, std::span<const Ray> rays);
 
 /// `count` rays from `eye` at corners, at middles of edges and at other points of edges of random usable triangles, in turn;

@@ -13,7 +13,9 @@ double fresnel(double cosI, double n1, double n2) {
     return 0.5 * (perpendicular * perpendicular + parallel * parallel);
 }
 
-dvec3 reflect(const dvec3& d, const dvec3& n) { return d - 2.0 * glm::dot(d, n) * n; }
+dvec3 reflect(const dvec3& d, const dvec3& n) {
+    return d - 2.0 * glm::dot(d, n) * n;
+}
 
 std::optional<dvec3> refract(const dvec3& d, const dvec3& n, double eta) {
     const double cosI = -glm::dot(d, n);

@@ -15,7 +15,7 @@ namespace {
 dvec2 halfSize(const Camera& camera, double aspect) {
     if (camera.orthographic)
         return aspect > double{camera.xmag} / camera.ymag ? dvec2(camera.ymag * aspect, camera.ymag)
-                                                         : dvec2(camera.xmag, camera.xmag / aspect);
+                                                          : dvec2(camera.xmag, camera.xmag / aspect);
     const double halfHeight = std::tan(0.5 * camera.yfov);
     return {halfHeight * aspect, halfHeight};
 }

@@ -10,8 +10,8 @@ namespace raig::reference {
 struct PictureOptions {
     uint32_t width = 256;
     uint32_t height = 256;
-    uint32_t samples = 1;    ///< a pixel, at most 65536
-    uint32_t camera = 0;     ///< an index into Scene::cameras
+    uint32_t samples = 1;  ///< a pixel, at most 65536
+    uint32_t camera = 0;   ///< an index into Scene::cameras
     Bounds bounds;
     uint32_t roundings = 4;  ///< how often each pixel is shaded again with its rays rounded (see rounding.hpp)
 };

@@ -7,7 +7,8 @@
 namespace raig::reference {
 
 double floatUlp(double x) {
-    return std::ldexp(1.0, std::max(std::ilogb(std::max(std::abs(x), double{std::numeric_limits<float>::min()})), -126) - 23);
+    return std::ldexp(1.0,
+                      std::max(std::ilogb(std::max(std::abs(x), double{std::numeric_limits<float>::min()})), -126) - 23);
 }
 
 Rounding::Rounding(uint32_t pixel, uint32_t sample, uint32_t variant)

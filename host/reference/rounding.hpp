@@ -4,7 +4,8 @@
 /// refracting ball. There two renderers that differ only in rounding must differ, and neither is wrong. To find these places
 /// without looking at any other renderer, the reference shades each pixel again with its own rays moved, by no more than
 /// single precision moves them:
-///   - a ray's origin, and a light's sample point, by 2 to 4 units in the last place of the largest coordinate that went into
+///   - a ray's origin, and a light's sample point, by 2 to 4 units in the last place of the largest coordinate that went
+///   into
 ///     it, on each axis: the corners of its triangle, and these corners seen from the origin of the ray that hit it;
 ///   - a direction by 2^-23 to 2^-22 on each axis, the error of a few roundings of numbers around 1.
 /// Nothing else is changed: not the scene, the random numbers, nor the colours.

@@ -22,7 +22,9 @@ uint32_t permuteBits(uint32_t x, uint32_t seed) {
     return x;
 }
 
-double toUnit(uint32_t x) { return (x >> 8) * 0x1p-24; }
+double toUnit(uint32_t x) {
+    return (x >> 8) * 0x1p-24;
+}
 
 }  // namespace
 
@@ -32,9 +34,13 @@ uint32_t hash(uint32_t x) {
     return (word >> 22) ^ word;
 }
 
-uint32_t hash(uint32_t a, uint32_t b) { return hash(a ^ hash(b)); }
+uint32_t hash(uint32_t a, uint32_t b) {
+    return hash(a ^ hash(b));
+}
 
-uint32_t scramble(uint32_t x, uint32_t seed) { return reverseBits(permuteBits(reverseBits(x), seed)); }
+uint32_t scramble(uint32_t x, uint32_t seed) {
+    return reverseBits(permuteBits(reverseBits(x), seed));
+}
 
 uint32_t sobol(uint32_t index, uint32_t coordinate) {
     RAIG_CHECK_OP(coordinate, <, 2u);

@@ -25,7 +25,12 @@ struct Tree::Search {
     Hit best;
 
     Search(const Ray& r, uint32_t leavingId, uint32_t arrivingId, bool anyHit, std::span<const uint8_t> transparent)
-        : ray(r), inverse(1.0 / r.direction), leaving(leavingId), arriving(arrivingId), any(anyHit), seeThrough(transparent) {
+        : ray(r),
+          inverse(1.0 / r.direction),
+          leaving(leavingId),
+          arriving(arrivingId),
+          any(anyHit),
+          seeThrough(transparent) {
         best.t = r.tMax;
     }
 
@@ -54,6 +59,7 @@ struct Tree::Search {
 Tree::Tree(const Geometry& geometry) : geometry_(&geometry) {
     RAIG_CHECK_OP(geometry.triangles.size(), <, size_t{noTriangle});
     std::vector<Item> items;
+    items.reserve(geometry.triangles.size());
     for (uint32_t id = 0; id < geometry.triangles.size(); ++id) {
         const uvec3 t = geometry.triangles[id];
         const vec3 a = geometry.positions[t.x], b = geometry.positions[t.y], c = geometry.positions[t.z];

@@ -24,9 +24,9 @@ struct Hit {
 /// A balanced binary tree of boxes over the usable triangles of a geometry, which must outlive it.
 ///
 /// The triangles are halved at the median of their centres along the longest side of the centres' box, until at most
-/// `leafSize` are left. All leaves are on one level, so the tree needs no links: node i has the children 2 i + 1 and 2 i + 2,
-/// and its triangles are an even share of the list. Boxes are padded by 2^-20 of their coordinates, 2^30 times what double
-/// precision needs: the tree decides what is tried, never what is hit.
+/// `leafSize` are left. All leaves are on one level, so the tree needs no links: node i has the children 2 i + 1 and 2 i +
+/// 2, and its triangles are an even share of the list. Boxes are padded by 2^-20 of their coordinates, 2^30 times what
+/// double precision needs: the tree decides what is tried, never what is hit.
 class Tree {
 public:
     /// Cost O(n log n) in parallel; some 20 bytes a triangle to keep, 36 while building.

@@ -32,7 +32,9 @@ Vector<Real> cross(const Vector<Real>& a, const Vector<Real>& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-double magnitude(const dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+double magnitude(const dvec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
 
 /// The signed volumes of the ray with the triangle's edges, and the two sides of the plane's equation.
 template <class Real>
@@ -78,7 +80,9 @@ bool isInDoubt(const Volumes<double>& v, const Ray& ray, const dvec3& a, const d
     return std::abs(v.approach) <= 0x1p-20 * d * magnitude(b - a) * magnitude(c - a);
 }
 
-dvec3 at(const Ray& ray, double t) { return ray.origin + t * ray.direction; }
+dvec3 at(const Ray& ray, double t) {
+    return ray.origin + t * ray.direction;
+}
 
 /// The nearest points of the ray and the segment from p to q.
 /// Source: Ericson 2005, "Real-Time Collision Detection", section 5.1.9 (two segments), the ray's end being clamped first.

@@ -9,14 +9,16 @@ namespace raig::reference {
 
 namespace {
 
-double largest(const dvec3& v) { return std::max({v.x, v.y, v.z}); }
+double largest(const dvec3& v) {
+    return std::max({v.x, v.y, v.z});
+}
 
 /// What a surface does with light that arrives along a ray.
 struct Scattering {
     dvec3 diffuse{0.0};
     dvec3 reflection{0.0};
     dvec3 transmission{0.0};
-    dvec3 reflected{0.0};    ///< directions, unit
+    dvec3 reflected{0.0};  ///< directions, unit
     dvec3 transmitted{0.0};
 };
 
@@ -56,8 +58,7 @@ Scattering scatterTransmissive(const SurfacePoint& p, const dvec3& d, double cos
 
 Scattering scatter(const SurfacePoint& p, const dvec3& d) {
     const double cosI = std::min(1.0, -glm::dot(d, p.shadingNormal));
-    Scattering result =
-        largest(p.surface->transmission) > 0.0 ? scatterTransmissive(p, d, cosI) : scatterOpaque(p, cosI);
+    Scattering result = largest(p.surface->transmission) > 0.0 ? scatterTransmissive(p, d, cosI) : scatterOpaque(p, cosI);
     result.reflected = reflect(d, p.shadingNormal);
     if (glm::dot(result.reflected, p.normal) <= 0.0) result.reflected = reflect(d, p.normal);
     result.reflected = glm::normalize(result.reflected);
@@ -88,9 +89,10 @@ public:
         const Scattering scattering = scatter(p, ray.direction);
         dvec3 radiance = weight * dvec3(s.emission);
         if (largest(scattering.diffuse) > 0.0) radiance += weight * scattering.diffuse * directLight(p, hit.primitive, key);
-        radiance += follow(p, scattering.reflected, weight * scattering.reflection, p.normal, depth, 2 * key + 1, hit.primitive);
         radiance +=
-            follow(p, scattering.transmitted, weight * scattering.transmission, -p.normal, depth, 2 * key + 2, hit.primitive);
+            follow(p, scattering.reflected, weight * scattering.reflection, p.normal, depth, 2 * key + 1, hit.primitive);
+        radiance += follow(p, scattering.transmitted, weight * scattering.transmission, -p.normal, depth, 2 * key + 2,
+                           hit.primitive);
         return radiance;
     }
 
@@ -119,7 +121,8 @@ private:
         if (!world_.emitters.triangles.empty()) {
             const dvec2 choice = sample2(id_.pixel, id_.sample, 1 + 3 * key, bounds_.seed);
             const dvec2 place = sample2(id_.pixel, id_.sample, 2 + 3 * key, bounds_.seed);
-            light += unshadowed(p, arrivingFromEmitters(world_, choice.x, place, p.position, p.shadingNormal), leaving, key) / pi;
+            light +=
+                unshadowed(p, arrivingFromEmitters(world_, choice.x, place, p.position, p.shadingNormal), leaving, key) / pi;
         }
         return light;
     }
@@ -134,7 +137,8 @@ private:
         } else {
             // An emitter's own triangle is passed over by its id, so the ray may end on it.
             const bool isPoint = light.triangle == noTriangle;
-            const double magnitude = std::max({std::abs(light.position.x), std::abs(light.position.y), std::abs(light.position.z)});
+            const double magnitude =
+                std::max({std::abs(light.position.x), std::abs(light.position.y), std::abs(light.position.z)});
             const dvec3 end = isPoint ? light.position : id_.rounding.position(light.position, magnitude, 4 * key + 3);
             shadow.direction = end - shadow.origin;
             shadow.tMax = isPoint ? 1.0 : 1.0 - 1e-12;

@@ -8,8 +8,8 @@ namespace raig::reference {
 
 /// What bounds the recursion, and what seeds it.
 struct Bounds {
-    uint32_t maxDepth = 8;                    ///< NIVELL_MAX: the camera's ray is at depth 0
-    float minContribution = 1.0f / 512.0f;    ///< MIN_CONTRIB: rays of less weight are not followed
+    uint32_t maxDepth = 8;                  ///< NIVELL_MAX: the camera's ray is at depth 0
+    float minContribution = 1.0f / 512.0f;  ///< MIN_CONTRIB: rays of less weight are not followed
     uint32_t seed = 0;
 };
 
@@ -31,15 +31,15 @@ struct Radiance {
 ///   - diffuse reflection of the ambient light, of every light and of a random point of the emitters, where no opaque
 ///     triangle is in between (surfaces that transmit cast no shadow: a simplification);
 ///   - an opaque surface mirrors by `mirror`, growing to `gloss` at grazing [Schlick 1994]; one that transmits mirrors by
-///     Fresnel's law and transmits the rest, bent by Snell's law unless thin, and what is inside absorbs by Beer and Lambert.
+///     Fresnel's law and transmits the rest, bent by Snell's law unless thin, and what is inside absorbs by Beer and
+///     Lambert.
 /// A child ray is followed if its depth is at most maxDepth and the largest component of its weight, the product of
 /// reflectances and transmittances so far, is at least minContribution.
 ///
-/// Random numbers come from reference/sampling.hpp; dimensions 1 + 3 k and 2 + 3 k belong to the ray of key k, whose mirrored
-/// child has key 2 k + 1 and whose transmitted one 2 k + 2.
-/// Cost: up to 2^(maxDepth + 1) rays, fewer by minContribution.
-/// Source: Whitted 1980, "An Improved Illumination Model for Shaded Display"; Hall and Greenberg 1983, "A Testbed for
-/// Realistic Image Synthesis" (adaptive depth).
+/// Random numbers come from reference/sampling.hpp; dimensions 1 + 3 k and 2 + 3 k belong to the ray of key k, whose
+/// mirrored child has key 2 k + 1 and whose transmitted one 2 k + 2. Cost: up to 2^(maxDepth + 1) rays, fewer by
+/// minContribution. Source: Whitted 1980, "An Improved Illumination Model for Shaded Display"; Hall and Greenberg 1983, "A
+/// Testbed for Realistic Image Synthesis" (adaptive depth).
 Radiance traceRay(const World& world, const Ray& ray, const Bounds& bounds, const SampleId& id);
 
 }  // namespace raig::reference

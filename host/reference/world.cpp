@@ -25,7 +25,9 @@ auto blend(const std::vector<Value>& values, const uvec3& t, const dvec3& weight
     return weights.x * Wide(values[t.x]) + weights.y * Wide(values[t.y]) + weights.z * Wide(values[t.z]);
 }
 
-double largest(const dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+double largest(const dvec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
 
 Emitters findEmitters(const Geometry& geometry, const std::vector<Surface>& surfaces) {
     Emitters emitters;
@@ -117,7 +119,8 @@ SurfacePoint surfaceAt(const World& world, const Ray& ray, const Hit& hit) {
 
     p.tint = dvec3(1.0);
     const auto& texture = world.scene.materials[material].baseColorTexture;
-    if (texture && !geometry.uvs.empty()) p.tint *= textureColour(world, *texture, blend(geometry.uvs, corners.index, weights));
+    if (texture && !geometry.uvs.empty())
+        p.tint *= textureColour(world, *texture, blend(geometry.uvs, corners.index, weights));
     if (!geometry.colors.empty()) p.tint *= blend(geometry.colors, corners.index, weights);
     return p;
 }

@@ -12,7 +12,7 @@ namespace raig::reference {
 struct Emitters {
     std::vector<uint32_t> triangles;  ///< usable ones with emission, by id
     std::vector<double> areas;
-    std::vector<float> cumulative;    ///< shares summed in double, kept as floats; the last is exactly 1
+    std::vector<float> cumulative;  ///< shares summed in double, kept as floats; the last is exactly 1
 };
 
 /// A scene made ready. Scene and geometry must outlive it.
@@ -20,8 +20,8 @@ struct World {
     const Scene& scene;
     const Geometry& geometry;
     Tree tree;
-    std::vector<Surface> surfaces;     ///< one a material
-    std::vector<uint8_t> seeThrough;   ///< one a material: 1 where it transmits, and so casts no shadow
+    std::vector<Surface> surfaces;    ///< one a material
+    std::vector<uint8_t> seeThrough;  ///< one a material: 1 where it transmits, and so casts no shadow
     Emitters emitters;
     std::array<double, 256> linear{};  ///< the radiance an sRGB byte stands for
 
@@ -38,11 +38,12 @@ struct SurfacePoint {
     dvec3 shadingNormal;  ///< unit, interpolated, turned against the ray
     dvec3 tint;           ///< texture times vertex colour
     bool front;
-    double magnitude;     ///< the largest coordinate that went into the position: corners, and corners seen from the origin
+    double magnitude;  ///< the largest coordinate that went into the position: corners, and corners seen from the origin
 };
 
 /// The point that `ray` (unit direction) hits. The shading normal is the interpolated one where every corner has one and
-/// their blend is at least 1e-3 long; the face's normal otherwise, and where the interpolated one is turned away from the ray.
+/// their blend is at least 1e-3 long; the face's normal otherwise, and where the interpolated one is turned away from the
+/// ray.
 SurfacePoint surfaceAt(const World& world, const Ray& ray, const Hit& hit);
 
 /// The colour of a texture at `uv`: bilinear between the decoded texels, (0, 0) being the top left corner of the top left
