@@ -16,6 +16,9 @@ uint pixelOf(uint order) {
     return y * frame.width + x;
 }
 
+// A ray that meets nothing, and is found to at once.
+Ray noRay() { return Ray(vec3(0.0f), 1.0f, vec3(0.0f), 0.0f); }
+
 // The ray of sample `sampleIndex` of `pixel`: through the pixel's centre if there is one sample, else through a point of the
 // pixel stratified over its samples. Row 0 is at the top. The direction is unit length.
 Ray cameraRay(uint pixel, uint sampleIndex) {

@@ -10,7 +10,7 @@ layout(constant_id = 2) const uint SCENE_CHUNKS = 1;
 layout(constant_id = 3) const uint SCENE_SHIFT = 31;
 
 layout(set = 0, binding = 0, std430) readonly buffer FrameBlock { FrameParams frame; };
-layout(set = 0, binding = 1, std430) buffer CountBlock { uint atWork; };
+layout(set = 0, binding = 1, std430) buffer CountBlock { uint counted; };
 layout(set = 0, binding = 2, std430) buffer ListBlock { uint slotList[]; };
 layout(set = 0, binding = 3, std430) buffer StateBlock { PathState states[]; };
 layout(set = 0, binding = 4, std430) buffer RayBlock { Ray rays[]; };
@@ -22,6 +22,16 @@ layout(set = 0, binding = 9, std430) buffer ContributionBlock { vec4 contributio
 layout(set = 0, binding = 10, std430) writeonly buffer ResultBlock { PixelResult results[]; };
 RAIG_ARRAY(scene, 11)
 
+const bool BRANCHES = (FEATURES & (FEATURE_MIRRORS | FEATURE_TRANSMISSION)) != 0u;
+
 layout(push_constant) uniform Push { TileStep now; };
 
 RAIG_ARRAY_AT(scene, SCENE_CHUNKS, SCENE_SHIFT)
+
+// Software devices give each core a contiguous half of the groups; taking blocks from both halves in turn balances them.
+uint entryIndex() {
+    uint group = gl_WorkGroupID.x;
+    uint firstHalf = (gl_NumWorkGroups.x + 1u) / 2u;
+    uint block = group < firstHalf ? 2u * group : 2u * (group - firstHalf) + 1u;
+    return block * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+}

@@ -1,7 +1,7 @@
 // Beginning a tile, and what follows the shadow rays: their light is added, and each slot moves on to its next ray.
 //
 // Whoever includes this declares `frame`, `now`, slotList[], states[], rays[], pending[], shadowHits[], contributions[],
-// results[] and the counter `atWork` before it, and includes path.glsl.
+// results[] and the counter `counted` before it, and includes path.glsl.
 //
 // A slot sums its own contributions, one ray after the other, depth first; so the picture does not depend on tiles, on
 // threads, or on the order of the slots.
@@ -28,31 +28,56 @@ vec3 gatheredLight(uint i) {
 PixelResult resultOf(PathState state) {
     precise vec3 mean = state.sum / float(frame.samples);
     precise float discarded = state.discarded / float(frame.samples);
-    return PixelResult(mean, discarded, state.pixel, state.closestRays, state.shadowRays, state.deepest);
+    return PixelResult(mean, discarded, state.pixel, state.shadowRays, state.deepest, 0u);
 }
 
-// Slot slotList[listAt + i] moves on: to a ray that was put off, else to the next sample, else it is done and its pixel is in
-// results[]. Slots that go on are listed from slotList[nextAt] on, in any order, and counted in atWork.
-void gather(uint i) {
-    uint slot = slotList[now.listAt + i];
+// Turns slot `slot` to a ray that was put off, else to its next sample. Returns false, with its pixel in results[], if there is
+// neither.
+bool moveOn(uint i, uint slot, INOUT(Ray) next) {
     PathState state = states[slot];
     precise vec3 sum = state.sum + gatheredLight(i);
     state.sum = sum;
-
-    bool resumes = (FEATURES & (FEATURE_MIRRORS | FEATURE_TRANSMISSION)) != 0u && state.pendingCount > 0u;
+    bool resumes = BRANCHES && state.pendingCount > 0u;
     if (!resumes) state.sampleIndex += 1u;
-    if (!resumes && state.sampleIndex == frame.samples) {
+    bool finished = !resumes && state.sampleIndex == frame.samples;
+    if (finished) {
         results[slot] = resultOf(state);
     } else {
-        Ray next;
         if (resumes) {
             next = takeUp(slot, state);
         } else {
             next = beginSample(state);
         }
-        uint place = atomicAdd(atWork, 1u);
-        slotList[now.nextAt + place] = slot;
+        states[slot].sum = state.sum;
+        states[slot].sampleIndex = state.sampleIndex;
+        if (BRANCHES) {
+            states[slot].weight = state.weight;
+            states[slot].depth = state.depth;
+            states[slot].key = state.key;
+            states[slot].pendingCount = state.pendingCount;
+            states[slot].deepest = state.deepest;
+        }
+    }
+    return !finished;
+}
+
+// Entry i of the list moves on. With `compacts`, slots that go on are listed from slotList[nextAt] on, in any order, and
+// `counted` counts them; else each stays in its place, and `counted` counts those that have finished: that takes
+// fewer atomic operations while most go on.
+void gather(uint i) {
+    uint slot = slotList[now.listAt + i];
+    Ray next = noRay();
+    bool working = slot != NO_SLOT;
+    bool goesOn = false;
+    if (working) goesOn = moveOn(i, slot, next);
+    uint place = i;
+    if (now.compacts != 0u) {
+        if (goesOn) place = atomicAdd(counted, 1u);
+    } else if (working && !goesOn) {
+        atomicAdd(counted, 1u);
+    }
+    if (goesOn || now.compacts == 0u) {
+        slotList[now.nextAt + place] = goesOn ? slot : NO_SLOT;
         rays[place] = next;
-        states[slot] = state;
     }
 }

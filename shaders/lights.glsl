@@ -9,7 +9,7 @@ struct ShadowRay {
     vec3 light;
 };
 
-ShadowRay noShadowRay() { return ShadowRay(Ray(vec3(0.0f), 1.0f, vec3(0.0f), 0.0f), vec3(0.0f)); }
+ShadowRay noShadowRay() { return ShadowRay(noRay(), vec3(0.0f)); }
 
 // The irradiance that distance and direction leave of a point or spot light (element `at`); `l` points to it.
 // Source: KHR_lights_punctual (falloff by range and by cone).

@@ -9,7 +9,7 @@ void putAll(Hit s) { put(s.t); put(s.u); put(s.v); put(s.primitive); }
 
 void putAll(StructureHeader s) {
     put(s.lo); put(s.nodeCount); put(s.hi); put(s.triangleCount);
-    put(s.gridOrigin); put(s.walk); put(s.gridStep); put(s.reserved);
+    put(s.gridOrigin); put(s.walk); put(s.gridStep); put(s.unit);
 }
 
 void putAll(FrameParams s) {
@@ -21,11 +21,11 @@ void putAll(FrameParams s) {
     put(s.unused0); put(s.unused1); put(s.unused2);
 }
 
-void putAll(TileStep s) { put(s.count); put(s.listAt); put(s.nextAt); put(s.firstPixel); }
+void putAll(TileStep s) { put(s.count); put(s.listAt); put(s.nextAt); put(s.compacts); put(s.firstPixel); }
 
 void putAll(PathState s) {
     put(s.weight); put(s.depth); put(s.sum); put(s.discarded); put(s.pixel); put(s.sampleIndex); put(s.key);
-    put(s.pendingCount); put(s.closestRays); put(s.shadowRays); put(s.deepest); put(s.unused);
+    put(s.pendingCount); put(s.shadowRays); put(s.deepest); put(s.unused0); put(s.unused1);
 }
 
 void putAll(PendingRay s) {
@@ -33,5 +33,5 @@ void putAll(PendingRay s) {
 }
 
 void putAll(PixelResult s) {
-    put(s.radiance); put(s.discarded); put(s.pixel); put(s.closestRays); put(s.shadowRays); put(s.deepest);
+    put(s.radiance); put(s.discarded); put(s.pixel); put(s.shadowRays); put(s.deepest); put(s.unused);
 }

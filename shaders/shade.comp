@@ -6,6 +6,6 @@
 #include "frame.glsl"
 
 void main() {
-    uint i = gl_GlobalInvocationID.x;
+    uint i = entryIndex();
     if (i < now.count) shade(i);
 }

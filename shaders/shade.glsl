@@ -18,7 +18,7 @@ vec3 shadeSurface(uint slot, Ray ray, Hit hit, SurfacePoint p, INOUT(PathState) 
         vec3 weight = state.weight * split.transmitted;
         follow(slot, state, spawnOrigin(p.at, -p.normal), split.transmittedWay, weight, 2u * state.key + 2u);
     }
-    if ((FEATURES & (FEATURE_MIRRORS | FEATURE_TRANSMISSION)) != 0u) {
+    if (BRANCHES) {
         vec3 weight = state.weight * split.reflected;
         follow(slot, state, spawnOrigin(p.at, p.normal), split.reflectedWay, weight, 2u * state.key + 1u);
     }
@@ -35,22 +35,22 @@ void storeShadowRay(uint index, ShadowRay shadow, vec3 direct, INOUT(PathState) 
     contributions[index] = vec4(asked ? contribution : vec3(0.0f), 0.0f);
 }
 
-// Slot slotList[listAt + i]: its ray rays[i] has met hits[i].
+// Entry i of the list: its slot's ray rays[i] has met hits[i].
 // Ensures  shadowRays[j * count + i] and contributions[...], for each j < frame.shadowRays, hold the j-th light's.
-// Cost     O(lights + log emitters).
+// Cost     O(lights + log emitters). Only what has changed is stored, as storing costs as much as shading on some devices.
 void shade(uint i) {
     uint slot = slotList[now.listAt + i];
+    bool working = slot != NO_SLOT;
+    slot = working ? slot : 0u;
     PathState state = states[slot];
     Ray ray = rays[i];
     Hit hit = hits[i];
-    state.closestRays += 1u;
     vec3 direct = vec3(0.0f);
     SurfacePoint p;
-    bool missed = hit.primitive == NO_HIT;
-    if (missed) {
+    if (working && hit.primitive == NO_HIT) {
         precise vec3 sum = state.sum + state.weight * skyRadiance(ray.direction);
         state.sum = sum;
-    } else {
+    } else if (working) {
         p = surfaceAt(ray, hit);
         direct = shadeSurface(slot, ray, hit, p, state);
     }
@@ -67,5 +67,13 @@ void shade(uint i) {
         if (lit) shadow = emitterRay(p, state.pixel, state.sampleIndex, state.key);
         storeShadowRay(frame.lightCount * now.count + i, shadow, direct, state);
     }
-    states[slot] = state;
+    if (working) {
+        states[slot].sum = state.sum;
+        if (frame.shadowRays > 0u) states[slot].shadowRays = state.shadowRays;
+        if (BRANCHES) {
+            states[slot].weight = state.weight;
+            states[slot].discarded = state.discarded;
+            states[slot].pendingCount = state.pendingCount;
+        }
+    }
 }

@@ -36,28 +36,33 @@ private:
 struct TileRun {
     double longestSeconds = 0.0;
     double traceSeconds = 0.0;
-    uint64_t rays = 0;
+    uint64_t closestRays = 0;
+    uint64_t shadowRays = 0;  ///< at most
 };
 
-/// Steps one tile to its end. `report(atWork, rays)` after each step.
+/// Steps one tile to its end. `report(atWork, tile)` after each step.
 template <class Report>
 TileRun runTile(FrameTiles& tiles, const FrameParams& params, uint32_t firstPixel, uint32_t count, const Report& report) {
     TileRun tile;
     const auto run = [&](FrameKernel kernel, const TileStep& step) {
         tile.longestSeconds = std::max(tile.longestSeconds, tiles.run(kernel, step));
     };
-    TileStep step{.count = count, .listAt = 0, .nextAt = params.slots, .firstPixel = firstPixel};
+    TileStep step{.count = count, .listAt = 0, .nextAt = params.slots, .compacts = 0, .firstPixel = firstPixel};
     run(FrameKernel::begin, step);
-    while (step.count > 0) {
+    for (uint32_t atWork = count; atWork > 0;) {
         tile.traceSeconds += tiles.trace(step.count);
         run(FrameKernel::shade, step);
         const uint32_t shadowRays = step.count * params.shadowRays;
         if (shadowRays > 0) tile.traceSeconds += tiles.traceShadows(shadowRays);
+        step.compacts = atWork < step.count - step.count / 4 ? 1 : 0;
         run(FrameKernel::gather, step);
-        tile.rays += step.count + shadowRays;
-        step.count = tiles.atWork();
+        tile.closestRays += atWork;
+        tile.shadowRays += uint64_t{atWork} * params.shadowRays;
+        const uint32_t counted = tiles.counted();
+        atWork = step.compacts ? counted : atWork - counted;
+        step.count = step.compacts ? counted : step.count;
         std::swap(step.listAt, step.nextAt);
-        report(step.count, tile.rays);
+        report(atWork, tile);
     }
     return tile;
 }
@@ -65,7 +70,6 @@ TileRun runTile(FrameTiles& tiles, const FrameParams& params, uint32_t firstPixe
 void take(const PixelResult& result, Picture& picture) {
     picture.radiance[result.pixel] = result.radiance;
     picture.discarded[result.pixel] = result.discarded;
-    picture.statistics.closestRays += result.closestRays;
     picture.statistics.shadowRays += result.shadowRays;
     picture.statistics.deepest = std::max(picture.statistics.deepest, result.deepest);
 }
@@ -113,15 +117,17 @@ void renderTiles(FrameTiles& tiles, const FrameData& data, const FrameOptions& o
     picture.discarded.resize(pixels);
     TileSize size(tiles, options.tilePixels);
     std::vector<PixelResult> results;
-    uint64_t rays = 0;
+    double rays = 0.0;
     for (uint32_t first = 0; first < pixels;) {
         const uint32_t count = std::min(size.next(), pixels - first);
-        const auto report = [&](uint32_t atWork, uint64_t tileRays) {
-            if (progress) progress(double(first + (count - atWork)) / pixels, double(rays + tileRays));
+        const auto report = [&](uint32_t atWork, const TileRun& tile) {
+            const auto tileRays = double(tile.closestRays + tile.shadowRays);
+            if (progress) progress(double(first + (count - atWork)) / pixels, rays + tileRays);
         };
         const TileRun tile = runTile(tiles, data.params, first, count, report);
         size.learn(tile.longestSeconds);
-        rays += tile.rays;
+        rays += double(tile.closestRays + tile.shadowRays);
+        picture.statistics.closestRays += tile.closestRays;
         results.resize(count);
         tiles.read(results);
         for (const PixelResult& result : results) take(result, picture);

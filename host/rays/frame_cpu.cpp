@@ -32,6 +32,7 @@ public:
         data.params.slots = slots;
 
         kernels_.FEATURES = data.features;
+        kernels_.BRANCHES = bytes.pendingRays > 0;
         kernels_.frame = data.params;
         kernels_.slotList = list_.data();
         kernels_.states = states_.data();
@@ -51,7 +52,7 @@ public:
     double run(FrameKernel kernel, const TileStep& step) override {
         const Clock::time_point start = Clock::now();
         kernels_.now = step;
-        kernels_.atWork = 0;
+        kernels_.counted = 0;
         parallelFor(step.count, 256, [&](size_t begin, size_t end) {
             for (size_t i = begin; i < end; ++i) runOne(kernel, static_cast<uint32_t>(i));
         });
@@ -64,7 +65,7 @@ public:
     double traceShadows(uint32_t count) override {
         return tracer_.traceShadows(std::span(shadowRays_).first(count), std::span(shadowHits_).first(count)).seconds;
     }
-    uint32_t atWork() override { return kernels_.atWork; }
+    uint32_t counted() override { return kernels_.counted; }
     void read(std::span<PixelResult> results) override {
         std::copy_n(results_.begin(), results.size(), results.begin());
     }

@@ -63,7 +63,7 @@ public:
     double traceShadows(uint32_t count) override {
         return tracer_.traceBuffers(shadowRays_, shadowHits_, count, Query::any, true);
     }
-    uint32_t atWork() override { return count_.downloadValues<uint32_t>().front(); }
+    uint32_t counted() override { return count_.downloadValues<uint32_t>().front(); }
     void read(std::span<PixelResult> results) override { results_.download(std::as_writable_bytes(results)); }
 
 private:

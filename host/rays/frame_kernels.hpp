@@ -12,9 +12,10 @@ namespace raig::shared {
 /// The names are those of shaders/frame_buffers.glsl; each array is as long as the kernels' contracts ask.
 struct FrameKernels {
     uint FEATURES = 0;
+    bool BRANCHES = false;
     FrameParams frame{};
     TileStep now{};
-    uint atWork = 0;
+    uint counted = 0;
     uint* slotList = nullptr;
     PathState* states = nullptr;
     Ray* rays = nullptr;

@@ -32,8 +32,8 @@ public:
     /// Traces the first `count` rays, or shadow rays, into hits. Returns seconds.
     virtual double trace(uint32_t count) = 0;
     virtual double traceShadows(uint32_t count) = 0;
-    /// The slots that go on after the last gather.
-    virtual uint32_t atWork() = 0;
+    /// What the last gather counted.
+    virtual uint32_t counted() = 0;
     /// Results of the first results.size() slots.
     virtual void read(std::span<shared::PixelResult> results) = 0;
 };

@@ -7,7 +7,7 @@ namespace raig::shared {
 
 #include "shared/frame.glsl"
 
-static_assert(sizeof(FrameParams) == 192 && sizeof(TileStep) == 16 && sizeof(PathState) == 64 && sizeof(PendingRay) == 48 &&
+static_assert(sizeof(FrameParams) == 192 && sizeof(TileStep) == 20 && sizeof(PathState) == 64 && sizeof(PendingRay) == 48 &&
                   sizeof(PixelResult) == 32,
               "as in the buffers of the device");
 

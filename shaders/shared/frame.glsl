@@ -41,13 +41,17 @@ struct FrameParams {
     uint unused2;
 };
 
-// One dispatch over the slots that are still at work.
+// One dispatch over a list of slots.
 struct TileStep {
-    uint count;      // slots at work
-    uint listAt;     // their numbers are slotList[listAt + i], i < count
-    uint nextAt;     // where the numbers of those go on that will be at work in the next step
-    uint firstPixel; // of the tile, in the order of pixelOf()
+    uint count;       // entries of the list
+    uint listAt;      // slotList[listAt + i], i < count: a slot at work, or NO_SLOT
+    uint nextAt;      // where the list of the next step begins
+    uint compacts;    // 1: only slots that go on enter that list, in any order; 0: all stay in their places
+    uint firstPixel;  // of the tile, in the order of pixelOf()
 };
+
+// In the place of a slot that has finished.
+CONSTANT uint NO_SLOT = 0xffffffffu;
 
 // Where a slot stands: its current ray, and what its pixel has come to.
 struct PathState {
@@ -59,10 +63,10 @@ struct PathState {
     uint sampleIndex;
     uint key;            // the ray's place in the tree of rays: 0, children 2k + 1 and 2k + 2
     uint pendingCount;   // rays of this sample yet to be followed
-    uint closestRays;    // traced so far
-    uint shadowRays;
-    uint deepest;        // depth reached
-    uint unused;
+    uint shadowRays;     // asked for so far, in all samples
+    uint deepest;        // depth reached, in all samples
+    uint unused0;
+    uint unused1;
 };
 
 // A ray that waits to be followed.
@@ -80,38 +84,38 @@ struct PixelResult {
     vec3 radiance;
     float discarded;
     uint pixel;
-    uint closestRays;
     uint shadowRays;
     uint deepest;
+    uint unused;
 };
 
 // The end of rays that have none: farther than any two points that rays can meet are apart.
-const float FAR_AWAY = 3.4e38f;
+CONSTANT float FAR_AWAY = 3.4e38f;
 
 // What the scene's data holds, so that code for what it lacks can be left out.
-const uint FEATURE_NORMALS = 1u;
-const uint FEATURE_UVS = 2u;
-const uint FEATURE_COLORS = 4u;
-const uint FEATURE_TEXTURES = 8u;
-const uint FEATURE_MIRRORS = 16u;       // surfaces that reflect
-const uint FEATURE_TRANSMISSION = 32u;  // surfaces that let light through
-const uint FEATURE_LIGHTS = 64u;
-const uint FEATURE_EMITTERS = 128u;
+CONSTANT uint FEATURE_NORMALS = 1u;
+CONSTANT uint FEATURE_UVS = 2u;
+CONSTANT uint FEATURE_COLORS = 4u;
+CONSTANT uint FEATURE_TEXTURES = 8u;
+CONSTANT uint FEATURE_MIRRORS = 16u;       // surfaces that reflect
+CONSTANT uint FEATURE_TRANSMISSION = 32u;  // surfaces that let light through
+CONSTANT uint FEATURE_LIGHTS = 64u;
+CONSTANT uint FEATURE_EMITTERS = 128u;
 
 // The scene's data is an array of uvec4. A triangle is one element: its vertices and its material. A vertex is `vertexStride`:
 // position and u; normal and v if there are normals or uvs; colour if there are colours. An emitter is one element: cumulated
 // probability, triangle, area, 0. Textures: one element each (first texel's element, width, height, wraps), then the texels,
 // four an element.
-const uint MATERIAL_STRIDE = 5u;  // diffuse gloss | mirror ior | transmission flags | absorption texture | emission 0
-const uint LIGHT_STRIDE = 4u;     // position type | direction range | intensity cos(outer) | cos(inner) 0 0 0
+CONSTANT uint MATERIAL_STRIDE = 5u;  // diffuse gloss | mirror ior | transmission flags | absorption texture | emission 0
+CONSTANT uint LIGHT_STRIDE = 4u;     // position type | direction range | intensity cos(outer) | cos(inner) 0 0 0
 
-const uint SURFACE_THIN = 1u;
-const uint SURFACE_TINTS_MIRROR = 2u;
-const uint SURFACE_TINTS_THROUGH = 4u;
-const uint NO_TEXTURE = 0xffffffffu;
+CONSTANT uint SURFACE_THIN = 1u;
+CONSTANT uint SURFACE_TINTS_MIRROR = 2u;
+CONSTANT uint SURFACE_TINTS_THROUGH = 4u;
+CONSTANT uint NO_TEXTURE = 0xffffffffu;
 
-const uint LIGHT_POINT = 0u;
-const uint LIGHT_SPOT = 1u;
-const uint LIGHT_DIRECTIONAL = 2u;
+CONSTANT uint LIGHT_POINT = 0u;
+CONSTANT uint LIGHT_SPOT = 1u;
+CONSTANT uint LIGHT_DIRECTIONAL = 2u;
 
 #endif
