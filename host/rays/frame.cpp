@@ -102,10 +102,14 @@ void checkOptions(const Scene& scene, const FrameOptions& options) {
     if (uint64_t{options.width} * options.height > uint64_t{1} << 31)
         throw limitError("a picture of {} x {} pixels is too large; at most 2^31 pixels can be rendered", options.width,
                          options.height);
+    checkLights(scene);
+    if (options.maxDepth > 1u << 20) throw limitError("a depth of {} is too large; at most 2^20 is possible", options.maxDepth);
+}
+
+void checkLights(const Scene& scene) {
     // Some devices stop looping after 65,535 rounds.
     if (scene.lights.size() > 32768)
         throw limitError("the scene has {} lights; at most 32768 can be asked by every point", scene.lights.size());
-    if (options.maxDepth > 1u << 20) throw limitError("a depth of {} is too large; at most 2^20 is possible", options.maxDepth);
 }
 
 void renderTiles(FrameTiles& tiles, const FrameData& data, const FrameOptions& options, const FrameProgress& progress,
@@ -140,7 +144,7 @@ void renderTiles(FrameTiles& tiles, const FrameData& data, const FrameOptions& o
 std::vector<Ray> cameraRays(const Scene& scene, const FrameOptions& options, uint32_t sampleIndex) {
     checkOptions(scene, options);
     FrameKernels kernels;
-    kernels.frame = cameraParams(scene, options);
+    setView(scene, options, kernels.frame);
     std::vector<Ray> rays(size_t{options.width} * options.height);
     parallelFor(rays.size(), 4096, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) rays[i] = kernels.cameraRay(static_cast<uint32_t>(i), sampleIndex);

@@ -14,6 +14,7 @@
 #include "scene/geometry.hpp"
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace raig {
@@ -61,8 +62,26 @@ using FrameProgress = std::function<void(double fractionDone, double raysDone)>;
 Picture renderPicture(const Scene& scene, const Geometry& geometry, Tracer& tracer, const FrameOptions& options,
                       const FrameProgress& progress = {});
 
-/// The same on a Vulkan device, on which `tracer` traces. No dispatch is longer than the device stands (50 ms on hardware, 2 s on
-/// software devices), as tiles are sized by measured time. Throws limitError if the scene does not fit.
+/// Renders on a Vulkan device. Keep it for several pictures of one scene: its data and kernels stay on the device.
+///
+/// No dispatch is longer than the device stands (50 ms on hardware, 2 s on software devices), as tiles are sized by measured time.
+class DeviceFrame {
+public:
+    /// Requirements of scene, geometry and tracer as for renderPicture; `tracer` traces on `device`, and both outlive this, as
+    /// does `scene`. Throws limitError if the scene does not fit.
+    DeviceFrame(Device& device, const Scene& scene, const Geometry& geometry, DeviceTracer& tracer);
+    ~DeviceFrame();
+    DeviceFrame(const DeviceFrame&) = delete;
+    DeviceFrame& operator=(const DeviceFrame&) = delete;
+
+    Picture render(const FrameOptions& options, const FrameProgress& progress = {});
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// One picture by a DeviceFrame of its own.
 Picture renderPicture(Device& device, const Scene& scene, const Geometry& geometry, DeviceTracer& tracer,
                       const FrameOptions& options, const FrameProgress& progress = {});
 

@@ -99,7 +99,8 @@ Picture renderPicture(const Scene& scene, const Geometry& geometry, Tracer& trac
                       const FrameProgress& progress) {
     const Clock::time_point start = Clock::now();
     checkOptions(scene, options);
-    FrameData data = packFrame(scene, geometry, options);
+    FrameData data = packFrame(scene, geometry);
+    setView(scene, options, data.params);
     constexpr uint64_t tileBytes = uint64_t{64} << 20;
     CpuTiles tiles(data, tracer, chooseSlots(options.tilePixels, tileBytes / slotBytes(data).all, data));
     Picture picture;

@@ -152,7 +152,7 @@ void packGeometry(const Geometry& geometry, Packer& packer, FrameData& data) {
 
 }  // namespace
 
-FrameParams cameraParams(const Scene& scene, const FrameOptions& options) {
+void setView(const Scene& scene, const FrameOptions& options, FrameParams& params) {
     RAIG_CHECK_OP(options.camera, <, scene.cameras.size());
     const Camera& camera = scene.cameras[options.camera];
     const double aspect = double(options.width) / options.height;
@@ -162,7 +162,6 @@ FrameParams cameraParams(const Scene& scene, const FrameOptions& options) {
         halfWidth = std::max<double>(camera.xmag, camera.ymag * aspect);
         halfHeight = std::max<double>(camera.ymag, camera.xmag / aspect);
     }
-    FrameParams params{};
     params.eye = camera.eye;
     params.forward = camera.forward;
     params.right = camera.right;
@@ -180,12 +179,10 @@ FrameParams cameraParams(const Scene& scene, const FrameOptions& options) {
     params.horizon = scene.sky.horizon;
     params.ground = scene.sky.ground;
     params.ambient = scene.ambient;
-    return params;
 }
 
-FrameData packFrame(const Scene& scene, const Geometry& geometry, const FrameOptions& options) {
+FrameData packFrame(const Scene& scene, const Geometry& geometry) {
     FrameData data;
-    data.params = cameraParams(scene, options);
     Packer packer(data);
     const TextureList textures = listTextures(scene, geometry);
     if (!textures.textures.empty()) data.features |= FEATURE_TEXTURES;

@@ -12,14 +12,14 @@ namespace raig {
 struct FrameData {
     std::vector<uvec4> elements;
     uint32_t features = 0;       ///< FEATURE_*
-    shared::FrameParams params;  ///< `slots` is left to whoever makes room for them
+    shared::FrameParams params{};  ///< where what is; camera and picture come from setView(), `slots` from who makes room
 };
 
-/// Packs camera, lights, materials and triangles. Requires what renderPicture requires.
+/// Packs lights, materials, textures and triangles. Requires what renderPicture requires.
 /// Cost: 16 bytes a triangle, and 16 to 48 bytes a vertex.
-FrameData packFrame(const Scene& scene, const Geometry& geometry, const FrameOptions& options);
+FrameData packFrame(const Scene& scene, const Geometry& geometry);
 
-/// Only camera and picture: enough for camera rays.
-shared::FrameParams cameraParams(const Scene& scene, const FrameOptions& options);
+/// Fills in sky, camera and picture: enough for camera rays.
+void setView(const Scene& scene, const FrameOptions& options, shared::FrameParams& params);
 
 }  // namespace raig

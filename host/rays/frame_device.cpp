@@ -30,25 +30,21 @@ Kernel makeKernel(Device& device, const char* base, uint32_t features, const Big
                    {/* SCENE_SHIFT */ 3, scene.chunkShift()}});
 }
 
-/// Tiles in a device's memory. Slots' data never leave it, but for the finished pixels and the number at work.
+/// Slots in a device's memory. Their data never leave it, but for the finished pixels and the number at work.
 class DeviceTiles : public FrameTiles {
 public:
-    DeviceTiles(Device& device, FrameData& data, DeviceTracer& tracer, uint32_t slots)
-        : tracer_(tracer), slots_(slots), software_(device.info().type == DeviceType::software), commands_(device),
-          scene_(device, std::as_bytes(std::span(data.elements))), frame_(device, sizeof(FrameParams)),
-          count_(device, sizeof(uint32_t)), list_(device, 2 * sizeof(uint32_t) * uint64_t{slots}),
-          states_(device, sizeof(PathState) * uint64_t{slots}), rays_(device, sizeof(Ray) * uint64_t{slots}),
-          hits_(device, sizeof(Hit) * uint64_t{slots}),
-          pending_(device, sizeof(PendingRay) * std::max<uint64_t>(1, uint64_t{slots} * slotBytes(data).pendingRays)),
-          shadowRays_(device, sizeof(Ray) * shadowRoom(data, slots)), shadowHits_(device, sizeof(Hit) * shadowRoom(data, slots)),
-          contributions_(device, sizeof(vec4) * shadowRoom(data, slots)),
-          results_(device, sizeof(PixelResult) * uint64_t{slots}) {
-        data.params.slots = slots;
+    DeviceTiles(Device& device, const FrameData& data, const BigArray& scene, std::span<Kernel> kernels, Commands& commands,
+                DeviceTracer& tracer)
+        : tracer_(tracer), kernels_(kernels), commands_(commands), slots_(data.params.slots),
+          software_(device.info().type == DeviceType::software), frame_(device, sizeof(FrameParams)),
+          count_(device, sizeof(uint32_t)), list_(device, 2 * sizeof(uint32_t) * uint64_t{slots_}),
+          states_(device, sizeof(PathState) * uint64_t{slots_}), rays_(device, sizeof(Ray) * uint64_t{slots_}),
+          hits_(device, sizeof(Hit) * uint64_t{slots_}),
+          pending_(device, sizeof(PendingRay) * std::max<uint64_t>(1, uint64_t{slots_} * slotBytes(data).pendingRays)),
+          shadowRays_(device, sizeof(Ray) * shadowRoom(data)), shadowHits_(device, sizeof(Hit) * shadowRoom(data)),
+          contributions_(device, sizeof(vec4) * shadowRoom(data)), results_(device, sizeof(PixelResult) * uint64_t{slots_}) {
         frame_.uploadValues(std::span<const FrameParams>(&data.params, 1));
-        for (const char* name : kernelNames) {
-            kernels_.push_back(makeKernel(device, name, data.features, scene_));
-            bindAll(kernels_.back());
-        }
+        for (Kernel& kernel : kernels_) bindAll(kernel, scene);
     }
 
     uint32_t slots() const override { return slots_; }
@@ -67,48 +63,85 @@ public:
     void read(std::span<PixelResult> results) override { results_.download(std::as_writable_bytes(results)); }
 
 private:
-    static uint64_t shadowRoom(const FrameData& data, uint32_t slots) {
-        return std::max<uint64_t>(1, uint64_t{slots} * data.params.shadowRays);
+    static uint64_t shadowRoom(const FrameData& data) {
+        return std::max<uint64_t>(1, uint64_t{data.params.slots} * data.params.shadowRays);
     }
 
-    void bindAll(Kernel& kernel) {
+    void bindAll(Kernel& kernel, const BigArray& scene) {
         const std::array<const Buffer*, 11> buffers = {&frame_,   &count_,      &list_,       &states_,       &rays_,   &hits_,
                                                        &pending_, &shadowRays_, &shadowHits_, &contributions_, &results_};
         const auto& declared = kernel.interface().bindings;
         for (uint32_t i = 0; i < buffers.size(); ++i)
             if (declared.contains(i)) kernel.bind(i, *buffers[i]);
-        if (declared.contains(11)) kernel.bind(11, scene_);
+        if (declared.contains(11)) kernel.bind(11, scene);
     }
 
     DeviceTracer& tracer_;
+    std::span<Kernel> kernels_;
+    Commands& commands_;
     uint32_t slots_;
     bool software_;
-    Commands commands_;
-    BigArray scene_;
     Buffer frame_, count_, list_, states_, rays_, hits_, pending_, shadowRays_, shadowHits_, contributions_, results_;
-    std::vector<Kernel> kernels_;
 };
+
+/// Slots that the device's memory and limits have room for.
+uint64_t mostSlots(const Device& device, const FrameData& data) {
+    constexpr uint64_t tileBytes = uint64_t{256} << 20;
+    const SlotBytes bytes = slotBytes(data);
+    const DeviceLimits& limits = device.info().limits;
+    return std::min({tileBytes / bytes.all, limits.storageBufferBytes / bytes.largest,
+                     uint64_t{limits.workgroupCount[0]} * groupSize,
+                     uint64_t{0xffffffffu} / std::max(1u, data.params.shadowRays)});
+}
 
 }  // namespace
 
+struct DeviceFrame::State {
+    State(Device& d, const Scene& s, FrameData packed, DeviceTracer& t)
+        : device(d), scene(s), tracer(t), data(std::move(packed)), elements(d, std::as_bytes(std::span(data.elements))),
+          commands(d) {
+        data.elements = {};
+        for (const char* name : kernelNames) kernels.push_back(makeKernel(device, name, data.features, elements));
+    }
+
+    Device& device;
+    const Scene& scene;
+    DeviceTracer& tracer;
+    FrameData data;
+    BigArray elements;
+    std::vector<Kernel> kernels;
+    Commands commands;
+    double setupSeconds = 0.0;  ///< not yet accounted for by a picture
+};
+
+DeviceFrame::DeviceFrame(Device& device, const Scene& scene, const Geometry& geometry, DeviceTracer& tracer) {
+    const Clock::time_point start = Clock::now();
+    checkLights(scene);
+    state_ = std::make_unique<State>(device, scene, packFrame(scene, geometry), tracer);
+    state_->setupSeconds = secondsSince(start);
+}
+
+DeviceFrame::~DeviceFrame() = default;
+
+Picture DeviceFrame::render(const FrameOptions& options, const FrameProgress& progress) {
+    const Clock::time_point start = Clock::now();
+    State& state = *state_;
+    checkOptions(state.scene, options);
+    setView(state.scene, options, state.data.params);
+    state.data.params.slots = chooseSlots(options.tilePixels, mostSlots(state.device, state.data), state.data);
+    DeviceTiles tiles(state.device, state.data, state.elements, state.kernels, state.commands, state.tracer);
+    Picture picture;
+    picture.statistics.setupSeconds = state.setupSeconds + secondsSince(start);
+    renderTiles(tiles, state.data, options, progress, picture);
+    picture.statistics.seconds = state.setupSeconds + secondsSince(start);
+    state.setupSeconds = 0.0;
+    return picture;
+}
+
 Picture renderPicture(Device& device, const Scene& scene, const Geometry& geometry, DeviceTracer& tracer,
                       const FrameOptions& options, const FrameProgress& progress) {
-    const Clock::time_point start = Clock::now();
     checkOptions(scene, options);
-    FrameData data = packFrame(scene, geometry, options);
-    const SlotBytes bytes = slotBytes(data);
-    constexpr uint64_t tileBytes = uint64_t{256} << 20;
-    const DeviceLimits& limits = device.info().limits;
-    const uint64_t mostSlots = std::min({tileBytes / bytes.all, limits.storageBufferBytes / bytes.largest,
-                                         uint64_t{limits.workgroupCount[0]} * groupSize,
-                                         uint64_t{0xffffffffu} / std::max(1u, data.params.shadowRays)});
-    DeviceTiles tiles(device, data, tracer, chooseSlots(options.tilePixels, mostSlots, data));
-    data.elements = {};
-    Picture picture;
-    picture.statistics.setupSeconds = secondsSince(start);
-    renderTiles(tiles, data, options, progress, picture);
-    picture.statistics.seconds = secondsSince(start);
-    return picture;
+    return DeviceFrame(device, scene, geometry, tracer).render(options, progress);
 }
 
 }  // namespace raig

@@ -45,7 +45,8 @@ uint32_t chooseSlots(uint32_t wanted, uint64_t mostSlots, const FrameData& data)
 void renderTiles(FrameTiles& tiles, const FrameData& data, const FrameOptions& options, const FrameProgress& progress,
                  Picture& picture);
 
-/// Throws limitError for a picture or a number of lights that is out of reach.
+/// Throws limitError for a picture, a depth, or a number of lights that is out of reach.
 void checkOptions(const Scene& scene, const FrameOptions& options);
+void checkLights(const Scene& scene);
 
 }  // namespace raig

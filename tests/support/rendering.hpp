@@ -85,9 +85,6 @@ struct Stage {
     Picture onCpu(const FrameOptions& options) const {
         return renderPicture(scene, geometry, *makeCpuTracer(structure), options);
     }
-    Picture on(Device& device, const FrameOptions& options) const {
-        return renderPicture(device, scene, geometry, *makeDeviceTracer(device, structure), options);
-    }
 
     Scene scene;
     Geometry geometry;
