@@ -8,19 +8,18 @@ CONSTANT float LARGEST_COORDINATE = 1.844e18f;
 CONSTANT float SMALLEST_NORMAL = 1.17549435e-38f;
 CONSTANT float LARGEST_FLOAT = 3.4028234e38f;
 
-// A ray made ready for walking. The direction is scaled by a power of two so that its largest component has magnitude
-// [1, 2) (below 4 at the top of the range); distances inside a walk are in that scale, exactly.
+// A ray made ready for walking, in the structure's own unit of length. The direction is scaled by a power of two so that its
+// largest component has magnitude [1, 2) (below 4 at the top of the range). Both are exact, and so is what it does to distances.
 struct WalkRay {
     vec3 origin;
     float tMin;
     vec3 inverse;   // 1 / direction, where components below 2^-27 of the largest count as that (never infinite)
     float tMax;
     vec3 reach;     // |inverse| times the slack of box tests against triangles and float planes
-    float scale;    // distance of the ray as given = scale * distance inside
     vec2 shear;     // direction.(x,y) / direction.z, in the axes below
     float inverseZ;
     uint axisZ;     // the axis of the largest direction component; x and y follow it cyclically
-    float unscale;
+    float scale;    // of the direction
     float slackUnit;// M * u: M the largest distance along an axis from the origin to the scene's far side
     bool valid;
 };
@@ -42,31 +41,47 @@ float steep(float component, float largest) {
     return abs(component) < least ? sign * least : component;
 }
 
-// Makes a ray ready. `lo` and `hi` bound the scene.
+// 1 / p of a power of two, by its exponent: exact where division may not be.
+float inverseOfPower(float p) { return uintBitsToFloat((254u << 23) - floatBitsToUint(p)); }
+
+// A distance along the ray as given, as one inside a walk; and back. One factor after the other: their product may be out of
+// range where what it is needed for is not.
+float distanceInside(WalkRay ray, float unit, float t) {
+    precise float scaled = t * inverseOfPower(ray.scale);
+    precise float result = scaled * unit;
+    return result;
+}
+
+float distanceOutside(WalkRay ray, float unit, float t) {
+    precise float scaled = t * inverseOfPower(unit);
+    precise float result = scaled * ray.scale;
+    return result;
+}
+
+// Makes a ray ready. `lo` and `hi` bound the scene in its unit.
 //
 // The slack: the shear of a triangle's corners and the slab arithmetic together misplace the ray against the triangle by
 // at most 11 u M along each axis (three roundings a corner of magnitudes up to 2 M, three of the slope, three of a slab).
 // Boxes are therefore widened by 16 u M: a ray that meets a triangle, as rounded, meets its box, as rounded.
-WalkRay prepareRay(Ray ray, vec3 lo, vec3 hi) {
+WalkRay prepareRay(Ray ray, vec3 lo, vec3 hi, float unit) {
     WalkRay r;
     vec3 size = vec3(abs(ray.direction.x), abs(ray.direction.y), abs(ray.direction.z));
     bool zLargest = size.z >= size.x && size.z >= size.y;
     r.axisZ = zLargest ? 2u : (size.x >= size.y ? 0u : 1u);
     float largest = zLargest ? size.z : (size.x >= size.y ? size.x : size.y);
-    r.valid = isWithin(ray.origin, LARGEST_COORDINATE) && isWithin(ray.direction, LARGEST_FLOAT) &&
-              largest >= SMALLEST_NORMAL && ray.tMax >= 0.0f && ray.tMin <= ray.tMax;
+    precise vec3 origin = ray.origin * unit;
+    r.valid = isWithin(ray.origin, LARGEST_COORDINATE) && isWithin(origin, LARGEST_COORDINATE) && 
+              isWithin(ray.direction, LARGEST_FLOAT) && largest >= SMALLEST_NORMAL && ray.tMax >= 0.0f &&
+              ray.tMin <= ray.tMax;
 
     uint exponent = r.valid ? floatBitsToUint(largest) >> 23 : 127u;
     exponent = exponent > 253u ? 253u : exponent;
     r.scale = uintBitsToFloat((254u - exponent) << 23);
-    r.unscale = uintBitsToFloat(exponent << 23);
     precise vec3 direction = r.valid ? ray.direction * r.scale : vec3(1.0f);
     largest = r.valid ? largest * r.scale : 1.0f;
-    r.origin = r.valid ? ray.origin : vec3(0.0f);
-    precise float tMin = ray.tMin > 0.0f ? ray.tMin * r.unscale : 0.0f;
-    precise float tMax = ray.tMax * r.unscale;
-    r.tMin = tMin;
-    r.tMax = tMax;
+    r.origin = r.valid ? origin : vec3(0.0f);
+    r.tMin = ray.tMin > 0.0f ? distanceInside(r, unit, ray.tMin) : 0.0f;
+    r.tMax = distanceInside(r, unit, ray.tMax);
 
     precise vec3 inverse = vec3(1.0f / steep(direction.x, largest), 1.0f / steep(direction.y, largest),
                                 1.0f / steep(direction.z, largest));

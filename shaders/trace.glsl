@@ -8,17 +8,17 @@
 // [tMin, tMax], ties to the lowest id; with ANY_HIT it is the first one met.
 
 // Begins (at == (0, 0)) or takes up again the walk of `ray`. Returns true if it is finished. `hit` carries the best hit so far
-// from call to call: the ray's distances are scaled by powers of two, so nothing is lost on the way.
+// from call to call: distances are scaled by powers of two inside, so nothing is lost on the way.
 bool traceRay(Ray ray, INOUT(uvec2) at, uint maxSteps, INOUT(Hit) hit) {
-    WalkRay walkRay = prepareRay(ray, header.lo, header.hi);
+    WalkRay walkRay = prepareRay(ray, header.lo, header.hi, header.unit);
     bool found = hit.primitive != NO_HIT;
     Hit best = hit;
-    best.t = found ? hit.t * walkRay.unscale : walkRay.tMax;
+    best.t = found ? distanceInside(walkRay, header.unit, hit.t) : walkRay.tMax;
     uvec2 state = at;
     if (walkRay.valid && header.triangleCount > 0u) walk(walkRay, state, maxSteps, best);
     bool done = !walkRay.valid || header.triangleCount == 0u || isDone(state);
     at = state;
     hit = best;
-    hit.t = best.primitive == NO_HIT ? uintBitsToFloat(0x7f800000u) : best.t * walkRay.scale;
+    hit.t = best.primitive == NO_HIT ? uintBitsToFloat(0x7f800000u) : distanceOutside(walkRay, header.unit, best.t);
     return done;
 }

@@ -68,7 +68,7 @@ TEST_P(EveryStructure, FindsWhatBruteForceFinds) {
                                                    << describe(got[i]) << "\nwant " << describe(want[i]);
             hitCount += want[i].primitive != NO_HIT;
         }
-        if (soup.triangles.size() > 2) EXPECT_GT(hitCount, rays.size() / 50) << soup.name << ": the rays test nothing";
+        EXPECT_TRUE(soup.triangles.size() <= 2 || hitCount > rays.size() / 50) << soup.name << ": the rays test nothing";
     }
 }
 

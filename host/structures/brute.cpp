@@ -15,17 +15,19 @@ Structure build(std::span<const Triangle> triangles, const BuildParams& params) 
     structure.walk = "every triangle";
     structure.header = emptyHeader();
     Box bounds;
+    for (const Triangle& triangle : triangles)
+        if (triangle.usable()) bounds.grow(triangle.box());
+    const float unit = unitOf(bounds);
     size_t count = 0;
     structure.triangles.resize(triangles.size() * shared::TRIANGLE_STRIDE);
-    for (size_t i = 0; i < triangles.size(); ++i) {
-        if (!triangles[i].usable()) continue;
-        bounds.grow(triangles[i].box());
-        writeReference(structure.triangles, count++, triangles[i], static_cast<uint32_t>(i));
-    }
+    for (size_t i = 0; i < triangles.size(); ++i)
+        if (triangles[i].usable())
+            writeReference(structure.triangles, count++, triangles[i], static_cast<uint32_t>(i), unit);
     structure.triangles.resize(count * shared::TRIANGLE_STRIDE);
     if (count > 0) {
-        structure.header.lo = bounds.lo;
-        structure.header.hi = bounds.hi;
+        structure.header.unit = unit;
+        structure.header.lo = bounds.lo * unit;
+        structure.header.hi = bounds.hi * unit;
     }
 
     StructureStatistics& statistics = structure.statistics;
@@ -44,9 +46,7 @@ std::optional<std::string> findFault(const Structure& structure, std::span<const
         if (next >= structure.header.triangleCount) return fmt::format("triangle {} is not listed", id);
         if (referencedId(structure, next) != id)
             return fmt::format("reference {} is triangle {} and should be {}", next, referencedId(structure, next), id);
-        const Triangle listed = referencedTriangle(structure, next);
-        if (listed.a != triangles[id].a || listed.b != triangles[id].b || listed.c != triangles[id].c)
-            return fmt::format("triangle {} is listed with other corners", id);
+        if (!refersTo(structure, next, triangles[id])) return fmt::format("triangle {} is listed with other corners", id);
         ++next;
     }
     if (next != structure.header.triangleCount) return "more references than usable triangles";

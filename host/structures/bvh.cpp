@@ -81,8 +81,10 @@ Structure build(std::span<const Triangle> triangles, const BuildParams& params) 
     structure.name = "bvh";
     structure.header = emptyHeader();
     if (!tree.nodes.empty()) {
-        structure.header.lo = tree.nodes[0].box.lo;
-        structure.header.hi = tree.nodes[0].box.hi;
+        const Box& bounds = tree.nodes[0].box;
+        structure.header.unit = unitOf(bounds);
+        structure.header.lo = bounds.lo * structure.header.unit;
+        structure.header.hi = bounds.hi * structure.header.unit;
     }
     measure(tree, structure.statistics);
     structure.header.nodeCount = static_cast<uint32_t>(structure.statistics.nodes);
@@ -93,7 +95,7 @@ Structure build(std::span<const Triangle> triangles, const BuildParams& params) 
     parallelFor(tree.references.size(), 4096, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
             const uint32_t id = tree.references[i].id;
-            writeReference(structure.triangles, i, triangles[id], id);
+            writeReference(structure.triangles, i, triangles[id], id, structure.header.unit);
         }
     });
     structure.statistics.bytes = (structure.nodes.size() + structure.triangles.size()) * sizeof(uvec4);

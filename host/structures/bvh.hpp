@@ -22,7 +22,7 @@ namespace raig::bvh {
 /// Builds in O(n log n) expected time, in parallel; the same bytes for any number of threads. An empty span gives an empty
 /// structure that nothing hits. At most 2^27 triangles: throws limitError beyond.
 /// Walk "auto" is octants16, the fastest measured on lavapipe, unless the grid is too coarse for the scene's triangles
-/// (more than half the median leaf's extent a step), or too fine for floats; then octants.
+/// (more than half the median leaf's extent a step); then octants.
 Structure build(std::span<const Triangle> triangles, const BuildParams& params);
 
 /// Names the first broken invariant, or nothing if all hold: each usable triangle is in exactly one leaf, the corners as

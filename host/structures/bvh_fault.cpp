@@ -68,8 +68,7 @@ std::optional<std::string> findReferenceFault(const Structure& structure, std::s
         const uint32_t id = referencedId(structure, i);
         if (id >= triangles.size()) return fmt::format("reference {} names a triangle that is not there", i);
         if (++referenced[id] != 1) return fmt::format("triangle {} is referenced twice", id);
-        const Triangle t = referencedTriangle(structure, i);
-        if (t.a != triangles[id].a || t.b != triangles[id].b || t.c != triangles[id].c)
+        if (!refersTo(structure, i, triangles[id]))
             return fmt::format("reference {} has other corners than triangle {}", i, id);
     }
     for (size_t id = 0; id < triangles.size(); ++id)

@@ -76,8 +76,9 @@ private:
 
     void setWord(uint32_t place, uint32_t word) { structure_.nodes[offset(place)].w = word; }
 
-    void put(uint32_t place, const Box& box, uint32_t word) {
+    void put(uint32_t place, const Box& sceneBox, uint32_t word) {
         const StructureHeader& header = structure_.header;
+        const Box box{sceneBox.lo * header.unit, sceneBox.hi * header.unit};
         uvec4* node = structure_.nodes.data() + offset(place);
         if (header.walk == shared::WALK_OCTANTS16) {
             for (int axis = 0; axis < 3; ++axis) {
@@ -114,8 +115,7 @@ bool gridIsFineEnough(const BinaryTree& tree, const StructureHeader& header) {
     if (extents.empty()) return true;
     std::nth_element(extents.begin(), extents.begin() + extents.size() / 2, extents.end());
     const float step = std::max({header.gridStep.x, header.gridStep.y, header.gridStep.z});
-    const float least = std::min({header.gridStep.x, header.gridStep.y, header.gridStep.z});
-    return step <= 0.5f * extents[extents.size() / 2] && least >= 1e-30f;
+    return step <= 0.5f * extents[extents.size() / 2] * header.unit;
 }
 
 uint32_t chooseWalk(std::string_view name, const BinaryTree& tree, const StructureHeader& header) {

@@ -10,7 +10,7 @@ namespace raig::bvh {
 /// Requires header.lo, hi and nodeCount. Throws usageError for another name. O(nodes), the octants in parallel.
 void layOut(const BinaryTree& tree, std::string_view walk, Structure& structure);
 
-/// One node, read back: its box (of quantised planes: what they stand for, in double) and its word.
+/// One node, read back: its box in the structure's unit (of quantised planes: what they stand for, in double) and its word.
 struct LaidNode {
     dvec3 lo, hi;
     uint32_t word;

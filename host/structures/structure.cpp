@@ -3,7 +3,9 @@
 #include "all_structures.hpp"
 #include "base/error.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace raig {
 
@@ -44,11 +46,19 @@ const StructureType& structureType(std::string_view name) {
     throw usageError("--accel {}: no such structure; there are {}", name, names);
 }
 
-void writeReference(std::vector<uvec4>& references, size_t index, const Triangle& triangle, uint32_t id) {
+float unitOf(const Box& bounds) {
+    if (bounds.empty()) return 1.0f;
+    float largest = 0.0f;
+    for (int axis = 0; axis < 3; ++axis)
+        largest = std::max({largest, std::abs(bounds.lo[axis]), std::abs(bounds.hi[axis])});
+    return std::ldexp(1.0f, -std::clamp(std::ilogb(largest), -120, 62));
+}
+
+void writeReference(std::vector<uvec4>& references, size_t index, const Triangle& triangle, uint32_t id, float unit) {
     uvec4* texels = references.data() + index * shared::TRIANGLE_STRIDE;
-    texels[0] = texel(triangle.a, id);
-    texels[1] = texel(triangle.b, 0);
-    texels[2] = texel(triangle.c, 0);
+    texels[0] = texel(triangle.a * unit, id);
+    texels[1] = texel(triangle.b * unit, 0);
+    texels[2] = texel(triangle.c * unit, 0);
 }
 
 Triangle referencedTriangle(const Structure& structure, uint64_t index) {
@@ -60,10 +70,17 @@ uint32_t referencedId(const Structure& structure, uint64_t index) {
     return structure.triangles[index * shared::TRIANGLE_STRIDE].w;
 }
 
+bool refersTo(const Structure& structure, uint64_t index, const Triangle& triangle) {
+    const Triangle referred = referencedTriangle(structure, index);
+    const float unit = structure.header.unit;
+    return referred.a == triangle.a * unit && referred.b == triangle.b * unit && referred.c == triangle.c * unit;
+}
+
 StructureHeader emptyHeader() {
     StructureHeader header{};
     header.lo = vec3(1.0f);
     header.hi = vec3(-1.0f);
+    header.unit = 1.0f;
     return header;
 }
 

@@ -86,12 +86,19 @@ std::span<const StructureType> structureTypes();
 /// The structure of that name. Throws usageError, which lists those there are.
 const StructureType& structureType(std::string_view name);
 
-/// Writes reference `index` to triangle `id` into the array that walks read.
-void writeReference(std::vector<uvec4>& references, size_t index, const Triangle& triangle, uint32_t id);
+/// The power of two that brings the largest magnitude of a coordinate of the box to [1, 2): the header's `unit`. At least
+/// 2^-62 and at most 2^120. 1 for an empty box.
+float unitOf(const Box& bounds);
 
-/// The triangle and id of reference `index`.
+/// Writes reference `index` to triangle `id`, scaled by the unit, into the array that walks read.
+void writeReference(std::vector<uvec4>& references, size_t index, const Triangle& triangle, uint32_t id, float unit);
+
+/// The triangle, in the structure's unit of length, and the id of reference `index`.
 Triangle referencedTriangle(const Structure& structure, uint64_t index);
 uint32_t referencedId(const Structure& structure, uint64_t index);
+
+/// True if the reference has the corners of the triangle, scaled.
+bool refersTo(const Structure& structure, uint64_t index, const Triangle& triangle);
 
 /// The header of a structure with nothing in it.
 StructureHeader emptyHeader();

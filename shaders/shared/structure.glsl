@@ -2,6 +2,8 @@
 #ifndef RAIG_SHARED_STRUCTURE
 #define RAIG_SHARED_STRUCTURE
 
+// Coordinates in a structure (corners, boxes, bounds) are those of the scene times `unit`, a power of two that brings the
+// largest to [1, 2): exact, and no product of differences comes near the ends of the float range, whatever the scene's size.
 struct StructureHeader {
     vec3 lo;              // bounds of all triangles: lo > hi if there are none
     uint nodeCount;       // nodes of one copy of the tree
@@ -10,7 +12,7 @@ struct StructureHeader {
     vec3 gridOrigin;      // quantised planes: coordinate = gridOrigin + q * gridStep
     uint walk;            // which of the structure's walks the nodes are laid out for
     vec3 gridStep;
-    uint reserved;
+    float unit;
 };
 
 // A triangle reference is three uvec4: the corners' bits in .xyz, and in .w the global id, TRIANGLE_* flags, 0.
