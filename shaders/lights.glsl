@@ -99,6 +99,6 @@ ShadowRay emitterRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key) {
     precise float geometry = cosine * abs(cosineThere) / squaredDistance / density;
     precise vec3 light = geometry * emission;
     vec3 origin = spawnOrigin(p.at, p.normal);
-    precise vec3 all = spawnOrigin(q, facing) - origin;
+    precise vec3 all = spawnOrigin(seenFrom(q, v), facing) - origin;
     return ShadowRay(Ray(origin, 0.0f, all, 1.0f), light);
 }

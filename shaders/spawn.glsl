@@ -65,6 +65,13 @@ BoundedPoint pointOf(vec3 a, vec3 b, vec3 c, float b1, float b2) {
     return BoundedPoint(position, blur < most ? blur : most, error);
 }
 
+// The same point as the end of a ray that comes from `v` away: the distance along the ray is rounded in proportion to |v|. With
+// 16 u |v| more, 3 of 296,948 shadow rays met the emitter they ended at; without, 7,195.
+BoundedPoint seenFrom(BoundedPoint point, vec3 v) {
+    precise float blur = point.blur + 9.5367432e-7f * largestOf(abs(v));
+    return BoundedPoint(point.position, blur, point.error);
+}
+
 // The next float after x in the direction of the sign of `towards`; x itself where that is 0. From zero it goes to the
 // smallest normal number, as some devices take lesser ones for zero.
 float nextFloat(float x, float towards) {

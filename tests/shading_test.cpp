@@ -342,6 +342,32 @@ TEST(Emitters, LightTheFloorBelowAsTheConfigurationFactorSays) {
     EXPECT_LT(error, 0.01 * mean);
 }
 
+// Shadow rays end at the emitter itself: rounding over their length must not make it hide its own point. (Without room for
+// that at the far end, some four in 65,536 of these do.)
+TEST(Emitters, DoNotHideThemselves) {
+    Scene scene;
+    addQuad(scene, {0, 0, 560}, {550, 0, 0}, {0, 0, -560}, material(0, 1, 0, 1.5f, true));
+    Material lamp;
+    lamp.emission = vec3(1.0f);
+    addQuad(scene, {213, 548.7f, 227}, {130, 0, 0}, {0, 0, 105}, lamp);
+    Camera camera;
+    camera.orthographic = true;
+    camera.eye = {275, 500, 280};
+    camera.forward = {0, -1, 0};
+    camera.right = {1, 0, 0};
+    camera.up = {0, 0, -1};
+    camera.xmag = camera.ymag = 270;
+    scene.cameras.push_back(camera);
+    const Stage stage(scene);
+    size_t dark = 0;
+    for (uint32_t seed = 0; seed < 4; ++seed) {
+        FrameOptions options = square(256, 1);
+        options.seed = seed;
+        dark += std::ranges::count(stage.onCpu(options).radiance, vec3(0.0f));
+    }
+    EXPECT_EQ(dark, 0u);
+}
+
 // A slab that absorbs: what is behind it is seen through its thickness, straight on.
 TEST(Absorption, FollowsBeerAndLambert) {
     Scene scene;
