@@ -115,17 +115,9 @@ uint octantOf(WalkRay ray) {
 
 // The larger and the smaller of two floats by their bits: right if at least one is not negative (else: one of the two), and
 // one instruction where float min and max are several.
-float maxOf(float a, float b) {
-    int x = floatBitsToInt(a);
-    int y = floatBitsToInt(b);
-    return intBitsToFloat(x > y ? x : y);
-}
+float maxOf(float a, float b) { return intBitsToFloat(max(floatBitsToInt(a), floatBitsToInt(b))); }
 
-float minOf(float a, float b) {
-    int x = floatBitsToInt(a);
-    int y = floatBitsToInt(b);
-    return intBitsToFloat(x < y ? x : y);
-}
+float minOf(float a, float b) { return intBitsToFloat(min(floatBitsToInt(a), floatBitsToInt(b))); }
 
 float least(float a, float b, float c) {
     float ab = a < b ? a : b;

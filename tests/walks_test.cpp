@@ -65,16 +65,20 @@ protected:
 };
 
 TEST_P(EveryDevice, WalksAsTheCpuDoes) {
-    for (const char* walk : {"brute", "skip", "octants", "octants16"})
-        for (const test::Soup& soup : test::soups()) {
-            const bool brute = std::string_view(walk) == "brute";
-            const Structure structure = structureType(brute ? "brute" : "bvh")
-                                            .build(soup.triangles, {.build = "", .walk = brute ? "auto" : walk, .maxLeaf = 0});
-            const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 9, /* count= */ brute ? 500 : 2000);
+    const std::vector<test::Soup> soups = test::soups();
+    // Drivers that compile a kernel slowly see the other walks on every third soup, and all of them in a long run.
+    const bool slow = GetParam() == "SwiftShader" && !isLong();
+    for (const std::string walk : {"octants16", "octants", "skip", "brute"})
+        for (size_t i = 0; i < soups.size(); i += slow && walk != "octants16" ? 3 : 1) {
+            const test::Soup& soup = soups[i];
+            const Structure structure = walk == "brute" ? structureType("brute").build(soup.triangles, {})
+                                                        : structureType("bvh").build(soup.triangles, {.walk = walk});
+            const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 9, walk == "brute" ? 500 : 2000);
             const auto device = makeDeviceTracer(*device_, structure);
             const auto cpu = makeCpuTracer(structure);
-            for (const Query query : {Query::closest, Query::any})
-                expectSame(trace(*device, rays, query), trace(*cpu, rays, query), rays, soup.name + " " + walk);
+            expectSame(trace(*device, rays), trace(*cpu, rays), rays, soup.name + " " + walk);
+            if (walk == "octants16")
+                expectSame(trace(*device, rays, Query::any), trace(*cpu, rays, Query::any), rays, soup.name + " any");
         }
 }
 

@@ -123,8 +123,13 @@ std::shared_ptr<BufferState> makeBuffer(Device::State& device, uint64_t bytes, V
 
 }  // namespace vk
 
-Buffer::Buffer(Device& device, uint64_t bytes)
-    : state_(vk::makeBuffer(device.state(), bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | copyUsage, vk::Memory::device)) {}
+Buffer::Buffer(Device& device, uint64_t bytes) {
+    const bool texel = device.loadsTexel() && bytes % 16 == 0 && bytes / 16 <= device.info().limits.texelBufferElements;
+    state_ = vk::makeBuffer(device.state(), bytes,
+                            (texel ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : 0) | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | copyUsage,
+                            vk::Memory::device);
+    if (texel) makeTexelView(*state_);
+}
 
 Buffer::Buffer(Device& device, uint64_t bytes, bool texel) {
     // Beside its texels a chunk can serve as storage too, if it is small enough for that.

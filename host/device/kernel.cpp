@@ -117,8 +117,9 @@ const KernelInterface& Kernel::interface() const {
 void Kernel::bind(uint32_t number, const Buffer& buffer) {
     const auto found = state_->interface.bindings.find(number);
     require(found != state_->interface.bindings.end(), state_->name, fmt::format("binding {} is declared", number));
-    require(found->second.kind == KernelBinding::Kind::storage && found->second.count == 1, state_->name,
-            fmt::format("binding {} is one storage buffer", number));
+    require(found->second.count == 1, state_->name, fmt::format("binding {} is one buffer", number));
+    require(found->second.kind == KernelBinding::Kind::storage || buffer.state()->view != VK_NULL_HANDLE, state_->name,
+            fmt::format("the buffer of binding {} can be read as texels", number));
     require(buffer.state()->device == state_->device, state_->name,
             fmt::format("the buffer of binding {} is its device's", number));
     state_->bound[number].buffers = {buffer.state()};

@@ -44,7 +44,7 @@ public:
     const KernelInterface& interface() const;
 
     /// Binds for the dispatches recorded from now on; may be called again. The buffer must live until those have run.
-    /// Refuses (RAIG_CHECK) a binding that the kernel does not declare or of another kind.
+    /// Refuses (RAIG_CHECK) a binding that the kernel does not declare, an array of descriptors, or texels of a buffer without.
     void bind(uint32_t binding, const Buffer& buffer);
     /// A BigArray binds to storage or texel descriptors, as declared; refused if it has more chunks than those.
     void bind(uint32_t binding, const BigArray& array);

@@ -25,7 +25,12 @@ struct Push {
     uint32_t first;
     uint32_t count;
     uint32_t maxSteps;
-    uint32_t begin;
+};
+
+/// A walk of shaders/trace.comp.in that is not finished.
+struct Pause {
+    uint32_t ray;
+    std::array<uint32_t, 2> at;
 };
 
 /// Where shaders/trace.comp.in counts.
@@ -66,6 +71,8 @@ public:
           nodes_(device, std::as_bytes(std::span(structure.nodes))),
           triangles_(device, std::as_bytes(std::span(structure.triangles))),
           counts_(device, sizeof(Counts)),
+          paused_(device, sizeof(Pause)),
+          unfinished_(device, sizeof(Pause)),
           commands_(device),
           size_(device.info()) {
         header_.uploadValues(std::span(&structure.header, 1));
@@ -105,39 +112,63 @@ private:
     }
 
     void run(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows, TraceReport& report) {
-        Kernel& kernel = kernelFor(query, shadows);
-        makeStates(count);
-        kernel.bind(0, header_);
-        kernel.bind(1, rays);
-        kernel.bind(2, hits);
-        kernel.bind(3, *states_);
-        kernel.bind(4, counts_);
-        if (kernel.interface().bindings.at(5).used) kernel.bind(5, nodes_);
-        kernel.bind(6, triangles_);
         for (uint32_t first = 0; first < count;) {
             const uint32_t some = std::min(size_.rays(), count - first);
-            Counts counts = dispatch(kernel, {first, some, maxSteps, /* begin= */ 1}, report);
-            while (counts.unfinished > 0) counts = dispatch(kernel, {first, some, maxSteps, /* begin= */ 0}, report);
+            if (!pausing_) {
+                Kernel& whole = kernelFor(query, shadows, Stage::whole);
+                bind(whole, rays, hits);
+                // Saving state costs every ray; so it is done only once a structure has shown that it needs it.
+                pausing_ = dispatch(whole, {first, some, maxSteps}, report) > 0;
+            }
+            if (pausing_) traceInPieces(rays, hits, {first, some, maxSteps}, query, shadows, report);
             first += some;
         }
     }
 
-    Counts dispatch(Kernel& kernel, const Push& push, TraceReport& report) {
+    void traceInPieces(Buffer& rays, Buffer& hits, const Push& push, Query query, bool shadows, TraceReport& report) {
+        makePauses(push.count);
+        Kernel& beginning = kernelFor(query, shadows, Stage::beginning);
+        Kernel& resuming = kernelFor(query, shadows, Stage::resuming);
+        bind(beginning, rays, hits);
+        uint32_t unfinished = dispatch(beginning, push, report);
+        while (unfinished > 0) {
+            std::swap(paused_, unfinished_);
+            bind(resuming, rays, hits);
+            unfinished = dispatch(resuming, {0, unfinished, maxSteps}, report);
+        }
+    }
+
+    void bind(Kernel& kernel, Buffer& rays, Buffer& hits) {
+        kernel.bind(0, header_);
+        kernel.bind(1, rays);
+        kernel.bind(2, hits);
+        kernel.bind(3, paused_);
+        kernel.bind(4, counts_);
+        kernel.bind(5, nodes_);
+        kernel.bind(6, triangles_);
+        kernel.bind(7, unfinished_);
+    }
+
+    /// Returns how many walks are not finished.
+    uint32_t dispatch(Kernel& kernel, const Push& push, TraceReport& report) {
         commands_.fill(counts_, 0);
         commands_.dispatch(kernel, {(push.count + workgroupSize - 1) / workgroupSize}, push);
         const RunReport ran = commands_.run();
-        if (push.begin != 0) size_.learn(push.count, ran.seconds);
+        size_.learn(push.count, ran.seconds);
         Counts counts;
         counts_.download(std::as_writable_bytes(std::span(&counts, 1)));
         report.seconds += ran.seconds;
         report.deviceSeconds += ran.deviceSeconds;
         report.counters.nodeFetches += joined(counts.nodeFetches);
         report.counters.triangleTests += joined(counts.triangleTests);
-        return counts;
+        return counts.unfinished;
     }
 
-    Kernel& kernelFor(Query query, bool shadows) {
-        std::unique_ptr<Kernel>& kernel = kernels_[shadows ? 2 : query == Query::any ? 1 : 0];
+    /// Walks in one go, or in pieces: the first, and those after it.
+    enum class Stage : uint32_t { whole, beginning, resuming };
+
+    Kernel& kernelFor(Query query, bool shadows, Stage stage) {
+        std::unique_ptr<Kernel>& kernel = kernels_[shadows ? 2 : query == Query::any ? 1 : 0][static_cast<uint32_t>(stage)];
         if (!kernel) {
             const auto spirv = findKernel(name_);
             RAIG_CHECK(spirv.has_value());
@@ -151,15 +182,19 @@ private:
                 {6, nodes_.chunkShift()},
                 {7, triangles_.chunkCount()},
                 {8, triangles_.chunkShift()},
+                {9, /* PAUSING */ stage != Stage::whole},
+                {10, /* RESUMING */ stage == Stage::resuming},
             };
             kernel = std::make_unique<Kernel>(device_, name_, *spirv, constants);
         }
         return *kernel;
     }
 
-    void makeStates(uint32_t count) {
-        const uint64_t bytes = uint64_t{count} * sizeof(uvec2);
-        if (!states_ || states_->bytes() < bytes) states_ = std::make_unique<Buffer>(device_, bytes);
+    void makePauses(uint32_t count) {
+        const uint64_t bytes = uint64_t{count} * sizeof(Pause);
+        if (unfinished_.bytes() >= bytes) return;
+        paused_ = Buffer(device_, bytes);
+        unfinished_ = Buffer(device_, bytes);
     }
 
     Device& device_;
@@ -170,10 +205,12 @@ private:
     BigArray nodes_;
     BigArray triangles_;
     Buffer counts_;
+    Buffer paused_;
+    Buffer unfinished_;
     Commands commands_;
     DispatchSize size_;
-    std::unique_ptr<Buffer> states_;
-    std::array<std::unique_ptr<Kernel>, 3> kernels_;  // closest, any, shadows
+    bool pausing_ = false;  // a walk was longer than a dispatch
+    std::array<std::array<std::unique_ptr<Kernel>, 3>, 3> kernels_;  // closest, any, shadows; each in all stages
 };
 
 }  // namespace

@@ -82,7 +82,7 @@ std::optional<std::string> findFault(const Structure& structure, std::span<const
     const StructureHeader& header = structure.header;
     if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE) return "triangle count and array differ";
     const size_t texels = header.walk == shared::WALK_OCTANTS16 ? 1 : 2;
-    if (structure.nodes.size() != size_t{copies(structure)} * header.nodeCount * texels) return "node count and array differ";
+    if (structure.nodes.size() != copies(structure) * nodesACopy(header) * texels) return "node count and array differ";
     if (auto fault = findReferenceFault(structure, triangles)) return fault;
     for (uint32_t octant = 0; octant < copies(structure); ++octant) {
         std::vector<uint8_t> seen(header.triangleCount);

@@ -66,11 +66,12 @@ public:
             pending.push_back(swapped ? node.right : node.left);
         }
         RAIG_CHECK_OP(next, ==, structure_.header.nodeCount);
+        put(next, Box{vec3(largestCoordinate), vec3(-largestCoordinate)}, next);
     }
 
 private:
     size_t offset(uint32_t place) const {
-        const size_t node = size_t{octant_} * structure_.header.nodeCount + place;
+        const size_t node = octant_ * nodesACopy(structure_.header) + place;
         return structure_.header.walk == shared::WALK_OCTANTS16 ? node : node * 2;
     }
 
@@ -136,7 +137,7 @@ void layOut(const BinaryTree& tree, std::string_view walk, Structure& structure)
     structure.header.walk = chooseWalk(walk, tree, structure.header);
     structure.walk = names[structure.header.walk];
     const size_t nodeTexels = structure.header.walk == shared::WALK_OCTANTS16 ? 1 : 2;
-    structure.nodes.resize(size_t{copies(structure)} * structure.header.nodeCount * nodeTexels);
+    structure.nodes.resize(copies(structure) * nodesACopy(structure.header) * nodeTexels);
     if (tree.nodes.empty()) return;
     parallelFor(copies(structure), 1, [&](size_t begin, size_t end) {
         for (size_t octant = begin; octant < end; ++octant)
@@ -146,7 +147,7 @@ void layOut(const BinaryTree& tree, std::string_view walk, Structure& structure)
 
 LaidNode laidNode(const Structure& structure, uint32_t octant, uint32_t index) {
     const StructureHeader& header = structure.header;
-    const size_t node = size_t{octant} * header.nodeCount + index;
+    const size_t node = octant * nodesACopy(header) + index;
     LaidNode result{};
     for (int axis = 0; axis < 3; ++axis) {
         double near, far;

@@ -20,6 +20,11 @@ LaidNode laidNode(const Structure& structure, uint32_t octant, uint32_t index);
 /// The number of copies of the tree: 1 or 8.
 uint32_t copies(const Structure& structure);
 
+/// Nodes of each copy with the one at its end that no ray hits.
+inline size_t nodesACopy(const StructureHeader& header) {
+    return size_t{header.nodeCount} + 1;
+}
+
 inline constexpr uint32_t leafBit = 0x80000000u;
 
 }  // namespace raig::bvh

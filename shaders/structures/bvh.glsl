@@ -7,7 +7,7 @@
 //
 // Requires  nodes[] and triangles[] as built by host/structures/bvh.cpp for header.walk.
 // Ensures   as every walk (shaders/trace.glsl).
-// Cost      at.x only grows, so a node is visited at most once; no stack, no shared memory. One step tests up to four nodes
+// Cost      at.x only grows, so a node is visited at most once; no stack, no shared memory. One step tests up to six nodes
 //           for the rays that hold no leaf, then one triangle for those that do: wide devices run both sides of a branch.
 // Source    Smits 1998, "Efficiency Issues for Ray Tracing" (skip links); a tree an octant: Torres et al. 2009, "Ray Casting
 //           using a Roped BVH with CUDA".
@@ -24,7 +24,7 @@ struct NodeSpace {
 
 NodeSpace prepareNodes(WalkRay ray) {
     NodeSpace s;
-    s.first = header.walk == WALK_SKIP ? 0u : octantOf(ray) * header.nodeCount;
+    s.first = header.walk == WALK_SKIP ? 0u : octantOf(ray) * (header.nodeCount + 1u);
     // The slack of quantised planes: 16 u M as for all boxes, and 11 u M for the roundings of q * step + base.
     vec3 reach = ray.reach * 2.0f;
     s.step = header.gridStep * ray.inverse;
@@ -61,31 +61,36 @@ bool hitsNode(WalkRay ray, NodeSpace space, uint at, float tMax, INOUT(uint) wor
     return hitsPlanes(ray, near, far, tMax);
 }
 
-// at.x: the next node. at.y: triangles of a leaf still to be tested, first << 4 | count.
+// at.x: the next node. at.y: 0, or the word of the leaf whose triangles are to be tested, those already tested taken off.
+// A node beyond the last one, which no ray should hit, spares the walk a test for the end.
 void stepNode(WalkRay ray, NodeSpace space, uint end, Hit best, INOUT(uvec2) at) {
-    bool going = at.x < end && (at.y & 15u) == 0u;
+    bool going = at.y == 0u;
     uint word = 0u;
-    bool hit = hitsNode(ray, space, going ? at.x : 0u, best.t, word);
-    COUNT_NODE(going)
+    bool hit = hitsNode(ray, space, at.x, best.t, word);
+    COUNT_NODE(going && at.x < end)
     bool leaf = word >= LEAF;
-    at.y = going && hit && leaf ? word & ~LEAF : at.y;
-    at.x = going ? (hit || leaf ? at.x + 1u : word) : at.x;
+    uint next = hit || leaf ? at.x + 1u : word;
+    at.y = going && hit && leaf ? word : at.y;
+    at.x = going ? min(next, end) : at.x;
 }
 
 void walk(WalkRay ray, INOUT(uvec2) at, uint maxSteps, INOUT(Hit) best) {
     NodeSpace space = prepareNodes(ray);
     uint end = header.nodeCount;
-    for (uint step = 0u; (at.x < end || (at.y & 15u) != 0u) && step < maxSteps; ++step) {
+    for (uint step = 0u; (at.x < end || at.y != 0u) && step < maxSteps; ++step) {
         stepNode(ray, space, end, best, at);
         stepNode(ray, space, end, best, at);
         stepNode(ray, space, end, best, at);
         stepNode(ray, space, end, best, at);
-        if ((at.y & 15u) != 0u) {
-            bool hit = testTriangle(ray, at.y >> 4, best);
+        stepNode(ray, space, end, best, at);
+        stepNode(ray, space, end, best, at);
+        if (at.y != 0u) {
+            bool hit = testTriangle(ray, (at.y & ~LEAF) >> 4, best);
             at.y += 15u;  // first + 1, count - 1
+            at.y = (at.y & 15u) == 0u ? 0u : at.y;
             if (ANY_HIT && hit) at = uvec2(end, 0u);
         }
     }
 }
 
-bool isDone(uvec2 at) { return at.x >= header.nodeCount && (at.y & 15u) == 0u; }
+bool isDone(uvec2 at) { return at.x >= header.nodeCount && at.y == 0u; }
