@@ -50,8 +50,10 @@ ShadowRay lightRay(SurfacePoint p, uint j) {
 
     vec3 origin = spawnOrigin(p.at, p.normal);
     precise vec3 all = xyzOf(position) - origin;
-    if (type == LIGHT_DIRECTIONAL) return ShadowRay(Ray(origin, 0.0f, l, FAR_AWAY), light);
-    return ShadowRay(Ray(origin, 0.0f, all, 1.0f), light);
+    // A ray of no length meets nothing: so asks for a light that casts no shadows.
+    float reach = scene_at(at + 3u).y != 0u ? 1.0f : 0.0f;
+    if (type == LIGHT_DIRECTIONAL) return ShadowRay(Ray(origin, 0.0f, l, FAR_AWAY * reach), light);
+    return ShadowRay(Ray(origin, 0.0f, all, reach), light);
 }
 
 // The emitter that number x in [0, 1) picks: the first whose cumulated probability exceeds it.

@@ -112,7 +112,7 @@ void packLights(const Scene& scene, const Geometry& geometry, Packer& packer, Fr
         packer.append(packed(light.position, static_cast<uint32_t>(light.type)));
         packer.append(packed(light.direction, light.range));
         packer.append(packed(light.intensity, static_cast<float>(std::cos(double{light.outerConeAngle}))));
-        packer.append({bitsOf(static_cast<float>(std::cos(double{light.innerConeAngle}))), 0u, 0u, 0u});
+        packer.append({bitsOf(static_cast<float>(std::cos(double{light.innerConeAngle}))), light.castsShadows ? 1u : 0u, 0u, 0u});
     }
     const std::vector<Emitter> emitters = listEmitters(scene, geometry);
     data.params.emittersAt = packer.here();

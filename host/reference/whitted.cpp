@@ -130,6 +130,7 @@ private:
     /// The irradiance of `light`, or none where it is behind the face or hidden.
     dvec3 unshadowed(const SurfacePoint& p, const Arriving& light, uint32_t leaving, uint32_t key) {
         if (light.irradiance == dvec3(0.0) || glm::dot(p.normal, light.direction) <= 0.0) return dvec3(0.0);
+        if (!light.castsShadows) return light.irradiance;
         Ray shadow;
         shadow.origin = leave(p, p.normal, id_, 4 * key + 2);
         if (light.isFar) {

@@ -132,6 +132,7 @@ dvec3 skyRadiance(const Sky& sky, const dvec3& d) {
 
 Arriving arriving(const Light& light, const dvec3& position, const dvec3& shadingNormal) {
     Arriving result;
+    result.castsShadows = light.castsShadows;
     if (light.type == Light::Type::directional) {
         result.isFar = true;
         result.direction = -dvec3(light.direction);

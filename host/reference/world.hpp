@@ -60,6 +60,7 @@ struct Arriving {
     dvec3 direction{0.0};
     dvec3 position{0.0};
     bool isFar = false;
+    bool castsShadows = true;
     uint32_t triangle = noTriangle;  ///< the emitter's
 };
 

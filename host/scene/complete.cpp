@@ -2,6 +2,8 @@
 #include "scene/geometry.hpp"
 #include "scene/import.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -59,6 +61,10 @@ bool emits(const Scene& scene) {
     });
 }
 
+/// What surfaces send each other is not traced; where the file says nothing of it, a faint light from everywhere stands in, so
+/// that places no light reaches directly can be told from nothing.
+constexpr float faintAmbient = 0.03f;
+
 /// A directional light whose irradiance of pi makes a white diffuse surface that faces it exactly 1 bright, and a sky, so
 /// that mirrors and glass have something to show.
 void addLight(Scene& scene) {
@@ -66,6 +72,7 @@ void addLight(Scene& scene) {
     headlight.type = Light::Type::directional;
     headlight.direction = scene.cameras.front().forward;
     headlight.intensity = vec3(3.14159265f);
+    headlight.castsShadows = false;  // or a room's own walls would keep it out
     scene.lights.push_back(headlight);
     scene.sky = {.zenith = {0.28f, 0.44f, 0.72f}, .horizon = {0.85f, 0.88f, 0.92f}, .ground = {0.19f, 0.16f, 0.13f}};
     scene.ambient = vec3(0.12f);
@@ -80,7 +87,12 @@ void completeScene(Scene& scene) {
         scene.remarks.emplace_back("no material: a diffuse grey is used");
     }
     if (scene.cameras.empty()) addCamera(scene);
-    if (scene.lights.empty() && !emits(scene)) addLight(scene);
+    if (scene.lights.empty() && !emits(scene)) {
+        addLight(scene);
+    } else {
+        scene.ambient = vec3(faintAmbient);
+        scene.remarks.push_back(fmt::format("no environment: a faint ambient light ({}) is used", faintAmbient));
+    }
 }
 
 Camera threeQuarterView(const std::vector<vec3>& points, const Box& framed) {

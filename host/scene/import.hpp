@@ -24,7 +24,8 @@ Scene importStl(const std::filesystem::path& path);   ///< ASCII and binary (sce
 
 /// Adds what a picture needs and the file lacks, each with a remark: a material; a camera in a three-quarter view that
 /// frames the usable triangles (PEERS' standard camera); and, if there is neither a light nor an emitting triangle, a
-/// headlight (directional, along the first camera, irradiance pi) with a sky and some ambient light.
+/// headlight (directional, along the first camera, irradiance pi, without shadows) with a sky and some ambient light. A scene with
+/// light of its own gets a faint ambient light for what surfaces would send each other.
 void completeScene(Scene& scene);
 
 /// The tightest three-quarter view of `points` (finite ones): centre c of `framed`, towards normalize(0.5, 0.35, 1),

@@ -71,6 +71,7 @@ struct Light {
     vec3 intensity{1.0f};               ///< W/sr a channel (point, spot); irradiance W/m^2 (directional)
     float innerConeAngle = 0.0f;        ///< spot: full intensity inside, from the axis
     float outerConeAngle = 0.785398f;   ///< spot: none outside
+    bool castsShadows = true;           ///< false: reaches every surface that faces it (a headlight)
     float range = 0.0f;                 ///< 0: unlimited; else no light beyond (KHR_lights_punctual)
 };
 

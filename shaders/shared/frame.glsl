@@ -107,7 +107,7 @@ CONSTANT uint FEATURE_EMITTERS = 128u;
 // probability, triangle, area, 0. Textures: one element each (first texel's element, width, height, wraps), then the texels,
 // four an element.
 CONSTANT uint MATERIAL_STRIDE = 5u;  // diffuse gloss | mirror ior | transmission flags | absorption texture | emission 0
-CONSTANT uint LIGHT_STRIDE = 4u;     // position type | direction range | intensity cos(outer) | cos(inner) 0 0 0
+CONSTANT uint LIGHT_STRIDE = 4u;     // position type | direction range | intensity cos(outer) | cos(inner) shadows 0 0
 
 CONSTANT uint SURFACE_THIN = 1u;
 CONSTANT uint SURFACE_TINTS_MIRROR = 2u;
