@@ -288,7 +288,7 @@ TEST_P(Refusals, OfBindingsThatDoNotMatchTheKernel) {
     Kernel kernel(device, "selftest_load", loadKernel(device.loadsTexel()), {{0, 8}});
     Buffer buffer(device, 1024);
     EXPECT_DEATH(kernel.bind(5, buffer), "binding 5 is declared");
-    EXPECT_DEATH(kernel.bind(0, buffer), "binding 0 is one storage buffer");
+    EXPECT_DEATH(kernel.bind(0, buffer), "binding 0 is one buffer");
     const BigArray array(device, someBytes(64));
     Commands commands(device);
     EXPECT_DEATH(commands.dispatch(kernel, {1}, LoadPush{0, 1}), "binding 0 .*is bound");
