@@ -19,20 +19,27 @@ struct Variant {
     BuildParams params;
 };
 
-std::ostream& operator<<(std::ostream& out, const Variant& v) { return out << v.structure << '_' << v.params.walk; }
+std::ostream& operator<<(std::ostream& out, const Variant& v) {
+    return out << v.structure << '_' << v.params.walk;
+}
 
 std::vector<Variant> variants() {
     std::vector<Variant> result;
     for (const StructureType& type : structureTypes()) result.push_back({std::string(type.name), {}});
-    for (const char* walk : {"skip", "octants", "octants16"}) result.push_back({"bvh", {.build = "", .walk = walk, .maxLeaf = 0}});
+    for (const char* walk : {"skip", "octants", "octants16"})
+        result.push_back({"bvh", {.build = "", .walk = walk, .maxLeaf = 0}});
     result.push_back({"bvh", {.build = "binned", .walk = "octants16", .maxLeaf = 1}});
     result.push_back({"bvh", {.build = "binned", .walk = "octants", .maxLeaf = 15}});
     return result;
 }
 
-bool sameBits(const Hit& a, const Hit& b) { return std::memcmp(&a, &b, sizeof(Hit)) == 0; }
+bool sameBits(const Hit& a, const Hit& b) {
+    return std::memcmp(&a, &b, sizeof(Hit)) == 0;
+}
 
-std::string describe(const Hit& h) { return fmt::format("triangle {} t {:.9g} u {:.9g} v {:.9g}", h.primitive, h.t, h.u, h.v); }
+std::string describe(const Hit& h) {
+    return fmt::format("triangle {} t {:.9g} u {:.9g} v {:.9g}", h.primitive, h.t, h.u, h.v);
+}
 
 std::vector<Hit> traceOnCpu(const Structure& structure, const std::vector<Ray>& rays, Query query) {
     std::vector<Hit> hits(rays.size());
@@ -64,8 +71,8 @@ TEST_P(EveryStructure, FindsWhatBruteForceFinds) {
         const std::vector<Hit> got = traceOnCpu(structure, rays, Query::closest);
         size_t hitCount = 0;
         for (size_t i = 0; i < rays.size(); ++i) {
-            ASSERT_TRUE(sameBits(got[i], want[i])) << soup.name << " ray " << i << ' ' << test::describe(rays[i]) << "\n got "
-                                                   << describe(got[i]) << "\nwant " << describe(want[i]);
+            ASSERT_TRUE(sameBits(got[i], want[i])) << soup.name << " ray " << i << ' ' << test::describe(rays[i])
+                                                   << "\n got " << describe(got[i]) << "\nwant " << describe(want[i]);
             hitCount += want[i].primitive != NO_HIT;
         }
         EXPECT_TRUE(soup.triangles.size() <= 2 || hitCount > rays.size() / 50) << soup.name << ": the rays test nothing";
@@ -79,7 +86,8 @@ TEST_P(EveryStructure, FindsAnyHitExactlyWhereThereIsOne) {
         const std::vector<Hit> closest = traceOnCpu(structure, rays, Query::closest);
         const std::vector<Hit> any = traceOnCpu(structure, rays, Query::any);
         for (size_t i = 0; i < rays.size(); ++i)
-            ASSERT_EQ(any[i].primitive == NO_HIT, closest[i].primitive == NO_HIT) << soup.name << ' ' << test::describe(rays[i]);
+            ASSERT_EQ(any[i].primitive == NO_HIT, closest[i].primitive == NO_HIT)
+                << soup.name << ' ' << test::describe(rays[i]);
     }
 }
 
@@ -95,7 +103,8 @@ TEST_P(EveryStructure, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST_P(EveryStructure, IsNoObstacleToShadowsWhereLightPasses) {
-    Soup soup{"two walls", {{vec3(-1, -1, 1), vec3(1, -1, 1), vec3(0, 1, 1)}, {vec3(-1, -1, 2), vec3(1, -1, 2), vec3(0, 1, 2)}}};
+    Soup soup{"two walls",
+              {{vec3(-1, -1, 1), vec3(1, -1, 1), vec3(0, 1, 1)}, {vec3(-1, -1, 2), vec3(1, -1, 2), vec3(0, 1, 2)}}};
     const std::vector<Ray> rays = {{vec3(0), 0.0f, vec3(0, 0, 1), 1.5f}, {vec3(0), 0.0f, vec3(0, 0, 1), 3.0f}};
     Structure structure = build(soup);
     structure.markSeeThrough(std::vector<uint8_t>{1, 0});
@@ -115,7 +124,8 @@ INSTANTIATE_TEST_SUITE_P(, EveryStructure, testing::ValuesIn(variants()), [](con
 TEST(Triangles, AreHitAtTheirEdgesAndVertices) {
     const Soup soup{"one", {{vec3(0, 0, 1), vec3(1, 0, 1), vec3(0, 1, 1)}}};
     const Structure structure = structureType("brute").build(soup.triangles, {});
-    for (const vec3 target : {vec3(0, 0, 1), vec3(1, 0, 1), vec3(0, 1, 1), vec3(0.5f, 0, 1), vec3(0, 0.5f, 1), vec3(0.5f, 0.5f, 1)}) {
+    for (const vec3 target :
+         {vec3(0, 0, 1), vec3(1, 0, 1), vec3(0, 1, 1), vec3(0.5f, 0, 1), vec3(0, 0.5f, 1), vec3(0.5f, 0.5f, 1)}) {
         const Hit hit = traceOnCpu(structure, {{vec3(target.x, target.y, 0), 0.0f, vec3(0, 0, 1), 1.0f}}, Query::closest)[0];
         EXPECT_EQ(hit.primitive, 0u) << target.x << ' ' << target.y;
         EXPECT_EQ(hit.t, 1.0f);
@@ -126,12 +136,20 @@ TEST(Triangles, AreMissedByRaysThatAreNone) {
     const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
     const Soup soup{"one", {{vec3(-1, -1, 1), vec3(1, -1, 1), vec3(0, 1, 1)}}};
     const vec3 o(0), d(0, 0, 1);
-    const std::vector<Ray> rays = {{vec3(nan, 0, 0), 0, d, inf}, {vec3(0, inf, 0), 0, d, inf}, {o, 0, vec3(0, nan, 1), inf},
-                                   {o, 0, vec3(0, 0, inf), inf}, {o, 0, vec3(0), inf},         {o, 2, d, 1},
-                                   {o, nan, d, inf},             {o, 0, d, nan},               {o, 0, vec3(1e-45f), inf},
-                                   {o, 0, d, -1},                {vec3(0, 0, -1e30f), 0, d, inf}};
+    const std::vector<Ray> rays = {{vec3(nan, 0, 0), 0, d, inf},
+                                   {vec3(0, inf, 0), 0, d, inf},
+                                   {o, 0, vec3(0, nan, 1), inf},
+                                   {o, 0, vec3(0, 0, inf), inf},
+                                   {o, 0, vec3(0), inf},
+                                   {o, 2, d, 1},
+                                   {o, nan, d, inf},
+                                   {o, 0, d, nan},
+                                   {o, 0, vec3(1e-45f), inf},
+                                   {o, 0, d, -1},
+                                   {vec3(0, 0, -1e30f), 0, d, inf}};
     for (const StructureType& type : structureTypes())
-        for (const Hit& hit : traceOnCpu(type.build(soup.triangles, {}), rays, Query::closest)) EXPECT_EQ(hit.primitive, NO_HIT);
+        for (const Hit& hit : traceOnCpu(type.build(soup.triangles, {}), rays, Query::closest))
+            EXPECT_EQ(hit.primitive, NO_HIT);
 }
 
 TEST(Structures, RefuseOptionsTheyDoNotOffer) {

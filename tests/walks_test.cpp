@@ -20,9 +20,13 @@ namespace {
 namespace fs = std::filesystem;
 
 /// True for `./run test --long`.
-bool isLong() { return std::getenv("RAIG_LONG") != nullptr; }
+bool isLong() {
+    return std::getenv("RAIG_LONG") != nullptr;
+}
 
-std::string describe(const Hit& h) { return fmt::format("triangle {} t {:.9g} u {:.9g} v {:.9g}", h.primitive, h.t, h.u, h.v); }
+std::string describe(const Hit& h) {
+    return fmt::format("triangle {} t {:.9g} u {:.9g} v {:.9g}", h.primitive, h.t, h.u, h.v);
+}
 
 size_t firstDifference(const std::vector<Hit>& a, const std::vector<Hit>& b) {
     for (size_t i = 0; i < a.size(); ++i)
@@ -36,7 +40,8 @@ std::vector<Hit> trace(Tracer& tracer, const std::vector<Ray>& rays, Query query
     return hits;
 }
 
-void expectSame(const std::vector<Hit>& got, const std::vector<Hit>& want, const std::vector<Ray>& rays, const std::string& what) {
+void expectSame(const std::vector<Hit>& got, const std::vector<Hit>& want, const std::vector<Ray>& rays,
+                const std::string& what) {
     const size_t i = firstDifference(got, want);
     ASSERT_EQ(i, rays.size()) << what << " ray " << i << ' ' << test::describe(rays[i]) << "\n got " << describe(got[i])
                               << "\nwant " << describe(want[i]);
@@ -95,8 +100,7 @@ TEST_P(EveryDevice, TakesUpLongWalksWhereTheyStopped) {
         const auto device = makeDeviceTracer(*device_, structure);
         const std::vector<Hit> hits = trace(*device, rays);
         expectSame(hits, trace(*makeCpuTracer(structure), rays), rays, name);
-        for (const Hit& hit : hits)
-            EXPECT_TRUE(hit.primitive == NO_HIT || hit.primitive == 39'999u);
+        for (const Hit& hit : hits) EXPECT_TRUE(hit.primitive == NO_HIT || hit.primitive == 39'999u);
     }
 }
 
@@ -149,7 +153,8 @@ TEST_P(EveryDevice, WalksRealScenesAsTheCpuAndBruteForceDo) {
 }
 
 /// Rays from random places inside a closed mesh at its vertices and at points of its edges: each must hit.
-std::vector<Ray> raysAtEdges(const std::vector<Triangle>& mesh, const dvec3& centre, double reach, uint64_t seed, size_t count) {
+std::vector<Ray> raysAtEdges(const std::vector<Triangle>& mesh, const dvec3& centre, double reach, uint64_t seed,
+                             size_t count) {
     std::vector<Ray> rays(count);
     parallelFor(count, 65536, [&](size_t begin, size_t end) {
         test::Random random(seed + begin);

@@ -12,11 +12,11 @@ namespace raig {
 /// What the program exits with, by meaning.
 enum class ExitCode : int {
     done = 0,
-    fellShort = 1,   ///< a comparison, bench or stress check fell short
-    usage = 2,       ///< wrong command line
-    badInput = 3,    ///< a file that cannot be used
-    noDevice = 4,    ///< no usable device, or the device was lost
-    limit = 5,       ///< memory or a buffer limit was reached
+    fellShort = 1,  ///< a comparison, bench or stress check fell short
+    usage = 2,      ///< wrong command line
+    badInput = 3,   ///< a file that cannot be used
+    noDevice = 4,   ///< no usable device, or the device was lost
+    limit = 5,      ///< memory or a buffer limit was reached
 };
 
 /// An error of the user's or the machine's making. Its text is one line: what, where, what to do.
@@ -53,17 +53,17 @@ template <class... Args>
 }  // namespace raig
 
 /// Aborts with file, line and condition unless `condition` holds; in every build.
-#define RAIG_CHECK(condition) \
-    do { \
+#define RAIG_CHECK(condition)                                                  \
+    do {                                                                       \
         if (!(condition)) ::raig::checkFailed(__FILE__, __LINE__, #condition); \
     } while (false)
 
 /// As RAIG_CHECK for a comparison; prints both values.
-#define RAIG_CHECK_OP(left, op, right) \
-    do { \
-        const auto& raigLeft = (left); \
-        const auto& raigRight = (right); \
-        if (!(raigLeft op raigRight)) \
-            ::raig::checkFailed(__FILE__, __LINE__, \
+#define RAIG_CHECK_OP(left, op, right)                                                                       \
+    do {                                                                                                     \
+        const auto& raigLeft = (left);                                                                       \
+        const auto& raigRight = (right);                                                                     \
+        if (!(raigLeft op raigRight))                                                                        \
+            ::raig::checkFailed(__FILE__, __LINE__,                                                          \
                                 fmt::format("{} ({}) {} {} ({})", #left, raigLeft, #op, #right, raigRight)); \
     } while (false)

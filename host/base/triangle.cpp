@@ -6,7 +6,9 @@ namespace raig {
 
 namespace {
 
-double largestComponent(const dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+double largestComponent(const dvec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
 
 bool isCollinear(const vec3& a, const vec3& b, const vec3& c) {
     // Differences of floats are exact in double or nearly so; each product then errs by one part in 2^53.

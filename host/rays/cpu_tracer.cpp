@@ -8,7 +8,7 @@
 namespace raig {
 
 namespace cpu_walks {
-#define RAIG_STRUCTURE(name) \
+#define RAIG_STRUCTURE(name)                                                                                   \
     void name(const Structure& structure, WalkOptions options, std::span<const Ray> rays, std::span<Hit> hits, \
               WalkCounters& counters);
 #include "structures/registry.def"
@@ -60,6 +60,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Tracer> makeCpuTracer(const Structure& structure) { return std::make_unique<CpuTracer>(structure); }
+std::unique_ptr<Tracer> makeCpuTracer(const Structure& structure) {
+    return std::make_unique<CpuTracer>(structure);
+}
 
 }  // namespace raig

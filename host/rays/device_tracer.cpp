@@ -41,7 +41,9 @@ struct Counts {
     std::array<uint32_t, 3> padding;
 };
 
-uint64_t joined(const std::array<uint32_t, 2>& halves) { return halves[0] | uint64_t{halves[1]} << 32; }
+uint64_t joined(const std::array<uint32_t, 2>& halves) {
+    return halves[0] | uint64_t{halves[1]} << 32;
+}
 
 /// How many rays to dispatch at once, so that a dispatch takes about as long as it should.
 class DispatchSize {
@@ -209,7 +211,7 @@ private:
     Buffer unfinished_;
     Commands commands_;
     DispatchSize size_;
-    bool pausing_ = false;  // a walk was longer than a dispatch
+    bool pausing_ = false;                                           // a walk was longer than a dispatch
     std::array<std::array<std::unique_ptr<Kernel>, 3>, 3> kernels_;  // closest, any, shadows; each in all stages
 };
 

@@ -18,7 +18,9 @@ constexpr uint32_t maxSahDepth = 64;
 constexpr size_t parallelSize = 8192;  // ranges smaller than this are one task
 
 // Twice the centroid: the halving changes nothing, so it is left out.
-vec3 centroid2(const BoxReference& reference) { return reference.lo + reference.hi; }
+vec3 centroid2(const BoxReference& reference) {
+    return reference.lo + reference.hi;
+}
 
 struct RangeBounds {
     Box boxes;
@@ -151,7 +153,8 @@ private:
             best = bestSplit(bins, binning, costs_);
         }
         const float area = bounds.boxes.halfArea();
-        const bool leafIsCheaper = costs_.triangle * static_cast<float>(count) * area <= best.cost + costs_.node * 2.0f * area;
+        const bool leafIsCheaper =
+            costs_.triangle * static_cast<float>(count) * area <= best.cost + costs_.node * 2.0f * area;
         if (count <= maxLeaf_ && (best.axis < 0 || leafIsCheaper)) return 0;
 
         BoxReference* begin = tree_.references.data() + first;

@@ -19,11 +19,11 @@ struct BoxReference {
 
 struct BinaryNode {
     Box box;
-    uint32_t left = 0;    ///< inner: index of the child with the lower centroids along `axis`
-    uint32_t right = 0;   ///< inner: the other child
-    uint32_t first = 0;   ///< leaf: of BinaryTree::references
-    uint32_t count = 0;   ///< leaf: how many, at least 1; 0 for an inner node
-    uint32_t axis = 0;    ///< inner: along which it was split
+    uint32_t left = 0;   ///< inner: index of the child with the lower centroids along `axis`
+    uint32_t right = 0;  ///< inner: the other child
+    uint32_t first = 0;  ///< leaf: of BinaryTree::references
+    uint32_t count = 0;  ///< leaf: how many, at least 1; 0 for an inner node
+    uint32_t axis = 0;   ///< inner: along which it was split
 };
 
 /// Nodes may have gaps between them: only what is reached from node 0 is part of the tree. No nodes: nothing was given.

@@ -1,4 +1,5 @@
-/// Every triangle, in order: no structure at all, and the ground truth of the walks. The walk is shaders/structures/brute.glsl.
+/// Every triangle, in order: no structure at all, and the ground truth of the walks. The walk is
+/// shaders/structures/brute.glsl.
 #pragma once
 
 #include "structures/structure.hpp"

@@ -12,7 +12,7 @@ namespace raig::bvh {
 namespace {
 
 constexpr uint32_t defaultMaxLeaf = 4;
-constexpr uint32_t largestLeaf = 15;       // four bits of the leaf word
+constexpr uint32_t largestLeaf = 15;  // four bits of the leaf word
 constexpr uint64_t mostTriangles = 1u << 27;
 
 // A triangle test costs about two node visits on lavapipe.

@@ -28,7 +28,8 @@ public:
         for (uint32_t i = 0; i < count; ++i) {
             while (!open.empty() && open.back().end == i) open.pop_back();
             const LaidNode node = laidNode(structure_, octant_, i);
-            if (!open.empty() && !contains(open.back().node, node.lo, node.hi)) return at(i, "its box sticks out of its parent's");
+            if (!open.empty() && !contains(open.back().node, node.lo, node.hi))
+                return at(i, "its box sticks out of its parent's");
             if ((node.word & leafBit) != 0) {
                 if (auto fault = findLeafFault(i, node)) return fault;
                 continue;
@@ -80,7 +81,8 @@ std::optional<std::string> findReferenceFault(const Structure& structure, std::s
 
 std::optional<std::string> findFault(const Structure& structure, std::span<const Triangle> triangles) {
     const StructureHeader& header = structure.header;
-    if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE) return "triangle count and array differ";
+    if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
+        return "triangle count and array differ";
     const size_t texels = header.walk == shared::WALK_OCTANTS16 ? 1 : 2;
     if (structure.nodes.size() != copies(structure) * nodesACopy(header) * texels) return "node count and array differ";
     if (auto fault = findReferenceFault(structure, triangles)) return fault;

@@ -12,7 +12,9 @@ namespace {
 
 constexpr float gridSteps = 65535.0f;
 
-uint32_t bits(float value) { return std::bit_cast<uint32_t>(value); }
+uint32_t bits(float value) {
+    return std::bit_cast<uint32_t>(value);
+}
 
 /// The grid of 16-bit planes: q stands for origin + q * step, so that 0 lies at or below lo and 65535 at or above hi.
 void setGrid(StructureHeader& header) {
@@ -34,7 +36,9 @@ uint32_t quantise(double coordinate, double origin, double step, bool upwards) {
     return static_cast<uint32_t>(std::clamp(whole, 0.0, 65535.0));
 }
 
-bool isNegative(uint32_t octant, int axis) { return ((octant >> axis) & 1u) != 0; }
+bool isNegative(uint32_t octant, int axis) {
+    return ((octant >> axis) & 1u) != 0;
+}
 
 /// Writes one copy of the tree, depth first, children in the order that suits `octant`.
 class CopyWriter {
@@ -44,7 +48,7 @@ public:
 
     void write() {
         std::vector<uint32_t> pending{0};
-        std::vector<uint32_t> open;  // inner nodes written whose subtree is not complete
+        std::vector<uint32_t> open;     // inner nodes written whose subtree is not complete
         std::vector<uint32_t> waiting;  // how many children each of them still waits for
         uint32_t next = 0;
         while (!pending.empty()) {
@@ -55,7 +59,8 @@ public:
             if (node.count > 0) {
                 put(place, node.box, leafBit | node.first << 4 | node.count);
                 // A complete subtree completes its parent, if that waits for no other child.
-                for (; !open.empty() && --waiting.back() == 0; open.pop_back(), waiting.pop_back()) setWord(open.back(), next);
+                for (; !open.empty() && --waiting.back() == 0; open.pop_back(), waiting.pop_back())
+                    setWord(open.back(), next);
                 continue;
             }
             put(place, node.box, 0);
@@ -129,7 +134,9 @@ uint32_t chooseWalk(std::string_view name, const BinaryTree& tree, const Structu
 
 }  // namespace
 
-uint32_t copies(const Structure& structure) { return structure.header.walk == shared::WALK_SKIP ? 1 : 8; }
+uint32_t copies(const Structure& structure) {
+    return structure.header.walk == shared::WALK_SKIP ? 1 : 8;
+}
 
 void layOut(const BinaryTree& tree, std::string_view walk, Structure& structure) {
     static constexpr std::string_view names[] = {"skip", "octants", "octants16"};

@@ -35,7 +35,9 @@ void Structure::markSeeThrough(std::span<const uint8_t> seeThrough) {
     }
 }
 
-std::span<const StructureType> structureTypes() { return types; }
+std::span<const StructureType> structureTypes() {
+    return types;
+}
 
 const StructureType& structureType(std::string_view name) {
     std::string names;
@@ -49,8 +51,7 @@ const StructureType& structureType(std::string_view name) {
 float unitOf(const Box& bounds) {
     if (bounds.empty()) return 1.0f;
     float largest = 0.0f;
-    for (int axis = 0; axis < 3; ++axis)
-        largest = std::max({largest, std::abs(bounds.lo[axis]), std::abs(bounds.hi[axis])});
+    for (int axis = 0; axis < 3; ++axis) largest = std::max({largest, std::abs(bounds.lo[axis]), std::abs(bounds.hi[axis])});
     return std::ldexp(1.0f, -std::clamp(std::ilogb(largest), -120, 62));
 }
 

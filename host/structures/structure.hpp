@@ -40,13 +40,13 @@ struct Triangle {
 
 /// Options of all builders, each with the builders that read it. Names are as on the command line.
 struct BuildParams {
-    std::string build;       ///< bvh: "binned". Empty: the structure's default
+    std::string build;          ///< bvh: "binned". Empty: the structure's default
     std::string walk = "auto";  ///< bvh: "skip", "octants", "octants16", or "auto"
-    uint32_t maxLeaf = 0;    ///< most triangles in a leaf, 1 to 15; 0: the structure's default
+    uint32_t maxLeaf = 0;       ///< most triangles in a leaf, 1 to 15; 0: the structure's default
 };
 
 struct StructureStatistics {
-    uint64_t nodes = 0;       ///< of one copy of the tree
+    uint64_t nodes = 0;  ///< of one copy of the tree
     uint64_t leaves = 0;
     uint32_t depth = 0;
     uint64_t references = 0;  ///< triangles in leaves, repeated ones counted each time
@@ -58,8 +58,8 @@ struct StructureStatistics {
 /// A built structure: a value. The meaning of `nodes` belongs to the structure's own pair of host/structures/NAME.cpp and
 /// shaders/structures/NAME.glsl.
 struct Structure {
-    std::string name;            ///< its line in registry.def
-    std::string walk;            ///< the walk it is laid out for, in words
+    std::string name;  ///< its line in registry.def
+    std::string walk;  ///< the walk it is laid out for, in words
     StructureHeader header{};
     std::vector<uvec4> nodes;
     std::vector<uvec4> triangles;  ///< three a reference (shaders/shared/structure.glsl)

@@ -69,8 +69,9 @@ std::vector<Triangle> withUnusable() {
     std::vector<Triangle> triangles = randomTriangles(5, 300, 0.2);
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const vec3 p(0.5f), q(0.25f, 0.5f, 0.75f);
-    const std::vector<Triangle> bad = {{vec3(nan), p, q}, {p, vec3(inf, 0, 0), q}, {p, q, vec3(0, 1e30f, 0)}, {p, p, q},
-                                       {p, p, p},         {vec3(0), vec3(1), vec3(2)}, {vec3(-inf), vec3(inf), vec3(nan)}};
+    const std::vector<Triangle> bad = {
+        {vec3(nan), p, q}, {p, vec3(inf, 0, 0), q},     {p, q, vec3(0, 1e30f, 0)},         {p, p, q},
+        {p, p, p},         {vec3(0), vec3(1), vec3(2)}, {vec3(-inf), vec3(inf), vec3(nan)}};
     for (size_t i = 0; i < bad.size(); ++i) triangles.insert(triangles.begin() + static_cast<long>(i * 40), bad[i]);
     return triangles;
 }
@@ -78,7 +79,8 @@ std::vector<Triangle> withUnusable() {
 std::vector<Triangle> fan(size_t count) {
     std::vector<Triangle> triangles;
     Random random(11);
-    for (size_t i = 0; i < count; ++i) triangles.push_back({vec3(0.1f, 0.2f, 0.3f), random.inCube(-1, 1), random.inCube(-1, 1)});
+    for (size_t i = 0; i < count; ++i)
+        triangles.push_back({vec3(0.1f, 0.2f, 0.3f), random.inCube(-1, 1), random.inCube(-1, 1)});
     return triangles;
 }
 
@@ -144,8 +146,9 @@ vec3 pointOn(const Aim& aim, Random& random) {
     if (aim.usable.empty()) return random.inCube(-1, 1);
     const Triangle& t = aim.triangles[aim.usable[random.below(static_cast<uint32_t>(aim.usable.size()))]];
     switch (random.below(3)) {
-        case 0: return t.a;  // a vertex
-        case 1: {            // a point of an edge, or its middle
+        case 0:
+            return t.a;  // a vertex
+        case 1: {        // a point of an edge, or its middle
             const double f = random.below(2) == 0 ? 0.5 : random.unit();
             return vec3(glm::mix(dvec3(t.a), dvec3(t.b), f));
         }
@@ -195,14 +198,24 @@ std::vector<Ray> rays(const std::vector<Triangle>& triangles, uint64_t seed, siz
         const vec3 target = pointOn(aim, random);
         const dvec3 towards = dvec3(target) - dvec3(ray.origin);
         switch (i % 8) {
-            case 0: break;
-            case 1: ray = axisRay(aim, random); break;
-            case 2: ray.direction = vec3(towards / glm::length(towards)); break;
-            case 3: ray.direction = vec3(towards); break;  // not normalised, and t = 1 at the target
-            case 4: ray.origin = pointOn(aim, random); break;
+            case 0:
+                break;
+            case 1:
+                ray = axisRay(aim, random);
+                break;
+            case 2:
+                ray.direction = vec3(towards / glm::length(towards));
+                break;
+            case 3:
+                ray.direction = vec3(towards);
+                break;  // not normalised, and t = 1 at the target
+            case 4:
+                ray.origin = pointOn(aim, random);
+                break;
             case 5: {  // at a corner of the bounds
                 vec3 corner;
-                for (int axis = 0; axis < 3; ++axis) corner[axis] = random.below(2) == 0 ? aim.box.lo[axis] : aim.box.hi[axis];
+                for (int axis = 0; axis < 3; ++axis)
+                    corner[axis] = random.below(2) == 0 ? aim.box.lo[axis] : aim.box.hi[axis];
                 ray.direction = corner - ray.origin;
                 break;
             }
@@ -215,7 +228,8 @@ std::vector<Ray> rays(const std::vector<Triangle>& triangles, uint64_t seed, siz
             }
             default:  // a stretch of a ray, of any length
                 ray.direction = vec3(towards * std::pow(10.0, random.within(-13, 6)));
-                ray.tMin = static_cast<float>(random.within(0.0, 1.0) * glm::length(towards) / glm::length(dvec3(ray.direction)));
+                ray.tMin =
+                    static_cast<float>(random.within(0.0, 1.0) * glm::length(towards) / glm::length(dvec3(ray.direction)));
                 ray.tMax = ray.tMin * static_cast<float>(random.within(1.0, 3.0));
                 break;
         }
