@@ -194,6 +194,24 @@ TEST(NpyHits, MayBeNone) {
     EXPECT_NE(text.find("'shape': (0,), }"), std::string::npos);
 }
 
+// As root, renaming a new file over /dev/null would make a file of it, for everyone.
+TEST(NpyFiles, ReplaceWhatALinkPointsToAndNoDevice) {
+    const auto folder = std::filesystem::temp_directory_path() / fmt::format("raig_npy_link_test_{}", ::getpid());
+    std::filesystem::create_directory(folder);
+    const std::vector<NpyHit> hits(3, NpyHit{1, 2, 3, 4, 5});
+    writeNpyHits(folder / "hits.npy", {});
+    std::filesystem::create_symlink("hits.npy", folder / "link.npy");
+    writeNpyHits(folder / "link.npy", hits);
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.npy"));
+    EXPECT_EQ(readFile(folder / "hits.npy"), encodeNpyHits(hits));
+
+    std::filesystem::create_symlink("/dev/full", folder / "full.npy");  // the link, so that a failure harms nobody
+    EXPECT_THROW(writeNpyHits(folder / "full.npy", hits), Error);
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "full.npy"));
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 3);  // nothing half-written is left
+    std::filesystem::remove_all(folder);
+}
+
 TEST(NpyFiles, AreReadAndWrittenWhole) {
     const auto folder = std::filesystem::temp_directory_path() / fmt::format("raig_npy_test_{}", ::getpid());
     std::filesystem::create_directory(folder);
