@@ -70,6 +70,27 @@ TEST(CompareHits, RightAnswersAreTheSame) {
     EXPECT_LT(got.offset.max, 1.0);
 }
 
+// Two triangles of a fan, a ray at their vertex that grazes one of them: exactly, that one is met only farther on, but the
+// vertex itself belongs to both. A point beside the vertex is no tie.
+TEST(CompareHits, ASharedVertexBelongsToEachOfItsTriangles) {
+    Scene scene;
+    scene.materials.resize(1);
+    scene.instances.emplace_back();
+    Mesh& mesh = scene.meshes.emplace_back();
+    mesh.positions = {{-0.0659713969f, 0.0703350008f, 0.0357802995f},
+                      {-0.0661036968f, 0.0713258982f, 0.0366500989f},
+                      {-0.067053698f, 0.0714460015f, 0.0363401994f},
+                      {-0.0651530027f, 0.0712063015f, 0.036954999f},
+                      {-0.0662077963f, 0.0723697022f, 0.0374847986f}};
+    mesh.triangles = {{0, 1, 2}, {1, 3, 4}};
+    mesh.materials.resize(2, 0);
+    const Judge judge(scene);
+    const Ray ray{{0.090148218f, 0.185046241f, 0.212440282f}, 0.0f, {-0.156251907f, -0.113720343f, -0.175790191f}, 3.4e38f};
+    ASSERT_EQ(judge.truth(ray).primitive, 1u);
+    EXPECT_EQ(judge.judge(ray, {1.0f, 1.0f, 0.0f, 0}), HitClass::tie);
+    EXPECT_EQ(judge.judge(ray, {1.001f, 1.0f, 0.0f, 0}), HitClass::wrong);
+}
+
 // A tracer that names the right triangle at a wrong distance is not right.
 TEST(CompareHits, AWrongDistanceToTheRightTriangleShows) {
     const Judge judge(floors(4));

@@ -54,17 +54,30 @@ bool passesBy(const Geometry& geometry, const Ray& floats, const reference::Hit&
                toleranceFor(geometry, floats, oracle.primitive);
 }
 
-/// True if a ray moved sideways by `tolerance`, in one of 8 directions, sees `triangle` (noTriangle: nothing).
+/// True if the point that the device names lies on its triangle and on the oracle's, within the tolerance: at a shared
+/// vertex a triangle seen edge-on is met exactly only farther on.
+bool meetsBoth(const Geometry& geometry, const Ray& ray, const reference::Hit& oracle, const Hit& device) {
+    const dvec3 point = dvec3(ray.origin) + double{device.t} * dvec3(ray.direction);
+    const auto isOn = [&](uint32_t triangle) {
+        const Corners k = cornersOf(geometry, triangle);
+        return reference::distanceToTriangle(point, k.a, k.b, k.c) <= toleranceFor(geometry, ray, triangle);
+    };
+    return isOn(device.primitive) && isOn(oracle.primitive);
+}
+
+/// True if a ray moved sideways by no more than `tolerance` sees `triangle` (noTriangle: nothing). 16 directions at 4
+/// distances: around a vertex, each triangle of the fan is seen from a wedge only.
 bool nearbyRaySees(const reference::Tree& tree, const reference::Ray& ray, uint32_t triangle, double tolerance) {
     const dvec3 d = glm::normalize(ray.direction);
     const dvec3 aside = std::abs(d.x) < 0.5 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 right = glm::normalize(glm::cross(d, aside)), up = glm::cross(right, d);
-    for (int i = 0; i < 8; ++i) {
-        const double angle = 0.78539816339744831 * i;
-        reference::Ray moved = ray;
-        moved.origin += tolerance * (std::cos(angle) * right + std::sin(angle) * up);
-        if (tree.closest(moved).primitive == triangle) return true;
-    }
+    for (double distance = tolerance; distance > 0.1 * tolerance; distance /= 2.0)
+        for (int i = 0; i < 16; ++i) {
+            const double angle = 0.39269908169872415 * i;
+            reference::Ray moved = ray;
+            moved.origin += distance * (std::cos(angle) * right + std::sin(angle) * up);
+            if (tree.closest(moved).primitive == triangle) return true;
+        }
     return false;
 }
 
@@ -109,6 +122,7 @@ HitClass classifyHit(const reference::Tree& tree, const Ray& ray, const referenc
     if (device.primitive != NO_HIT && passesBy(geometry, ray, oracle, device.primitive)) return HitClass::tie;
     // What lies in front of the oracle's hit can only be a tie by its own edges, looked at above.
     if (oracle.primitive == noTriangle || (device.primitive != NO_HIT && device.t <= oracle.t)) return fault;
+    if (device.primitive != NO_HIT && meetsBoth(geometry, ray, oracle, device)) return HitClass::tie;
     const double tolerance = toleranceFor(geometry, ray, oracle.primitive);
     return nearbyRaySees(tree, wide, device.primitive, tolerance) ? HitClass::tie : fault;
 }
