@@ -20,7 +20,6 @@ struct WalkRay {
     float inverseZ;
     uint axisZ;     // the axis of the largest direction component; x and y follow it cyclically
     float scale;    // of the direction
-    float slackUnit;// M * u: M the largest distance along an axis from the origin to the scene's far side
     bool valid;
 };
 
@@ -94,8 +93,7 @@ WalkRay prepareRay(Ray ray, vec3 lo, vec3 hi, float unit) {
     m = abs(toHi.x) > m ? abs(toHi.x) : m;
     m = abs(toHi.y) > m ? abs(toHi.y) : m;
     m = abs(toHi.z) > m ? abs(toHi.z) : m;
-    precise float slackUnit = m * 5.9604644775390625e-8f;  // u
-    r.slackUnit = slackUnit;
+    precise float slackUnit = m * 5.9604644775390625e-8f;  // M u
     precise vec3 reach = vec3(abs(inverse.x), abs(inverse.y), abs(inverse.z)) * (slackUnit * 16.0f);
     r.reach = reach;
 
