@@ -27,9 +27,9 @@ std::vector<Variant> variants() {
     std::vector<Variant> result;
     for (const StructureType& type : structureTypes()) result.push_back({std::string(type.name), {}});
     for (const char* walk : {"skip", "octants", "octants16"})
-        result.push_back({"bvh", {.build = "", .walk = walk, .maxLeaf = 0}});
-    result.push_back({"bvh", {.build = "binned", .walk = "octants16", .maxLeaf = 1}});
-    result.push_back({"bvh", {.build = "binned", .walk = "octants", .maxLeaf = 15}});
+        result.push_back({"bvh", {.walk = walk}});
+    result.push_back({"bvh", {.walk = "octants16", .maxLeaf = 1}});
+    result.push_back({"bvh", {.walk = "octants", .maxLeaf = 15}});
     return result;
 }
 
@@ -153,10 +153,10 @@ TEST(Triangles, AreMissedByRaysThatAreNone) {
 }
 
 TEST(Structures, RefuseOptionsTheyDoNotOffer) {
-    EXPECT_THROW(structureType("bvh").build({}, {.build = "magic", .walk = "auto", .maxLeaf = 0}), Error);
-    EXPECT_THROW(structureType("bvh").build({}, {.build = "", .walk = "magic", .maxLeaf = 0}), Error);
-    EXPECT_THROW(structureType("bvh").build({}, {.build = "", .walk = "auto", .maxLeaf = 16}), Error);
-    EXPECT_THROW(structureType("brute").build({}, {.build = "", .walk = "skip", .maxLeaf = 0}), Error);
+    EXPECT_THROW(structureType("bvh").build({}, {.build = "magic"}), Error);
+    EXPECT_THROW(structureType("bvh").build({}, {.walk = "magic"}), Error);
+    EXPECT_THROW(structureType("bvh").build({}, {.maxLeaf = 16}), Error);
+    EXPECT_THROW(structureType("brute").build({}, {.walk = "skip"}), Error);
     EXPECT_THROW(structureType("magic"), Error);
 }
 

@@ -109,7 +109,7 @@ TEST_P(EveryDevice, CountsWhatTheCpuCounts) {
     const std::vector<Ray> rays = test::rays(triangles, /* seed= */ 2, /* count= */ 5000);
     std::vector<Hit> hits(rays.size());
     for (const char* walk : {"skip", "octants", "octants16"}) {
-        const Structure structure = structureType("bvh").build(triangles, {.build = "", .walk = walk, .maxLeaf = 0});
+        const Structure structure = structureType("bvh").build(triangles, {.walk = walk});
         const WalkCounters cpu = makeCpuTracer(structure)->trace(rays, hits, Query::closest).counters;
         const WalkCounters device =
             makeDeviceTracer(*device_, structure, /* counting= */ true)->trace(rays, hits, Query::closest).counters;
@@ -122,7 +122,7 @@ TEST_P(EveryDevice, CountsWhatTheCpuCounts) {
 // Arrays that one binding cannot hold are split, and the walk reads the same: with a pretended limit of 4,096 elements.
 TEST_P(EveryDevice, ReadsArraysThatAreSplit) {
     const std::vector<Triangle> triangles = test::sphere(33, 1.0, dvec3(0), 0.1);
-    const Structure structure = structureType("bvh").build(triangles, {.build = "", .walk = "skip", .maxLeaf = 0});
+    const Structure structure = structureType("bvh").build(triangles, {.walk = "skip"});
     const std::vector<Ray> rays = test::rays(triangles, /* seed= */ 3, /* count= */ 4000);
     for (const bool texel : {false, true}) {
         Device limited(info, {.loadsTexel = texel, .largestBindingElements = 4096});

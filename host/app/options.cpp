@@ -80,10 +80,28 @@ void addStructure(CLI::App& app, Options& options) {
     app.add_option_function<std::string>(
            "--accel", parse, fmt::format("acceleration structure: {} (default: bvh)", fmt::join(structureNames, ", ")))
         ->type_name("NAME");
-    app.add_option("--walk", options.walk, "how the structure is walked (default: auto, the fastest measured)")
+    BuildParams& params = options.buildParams;
+    app.add_option("--walk", params.walk, "how the structure is walked (default: auto, the fastest measured)")
         ->type_name("NAME");
-    app.add_option("--build", options.build, "how the structure is built (default: the structure's own)")->type_name("NAME");
-    addWholeNumber(app, "--max-leaf", options.maxLeaf, 1, 255, "most primitives a leaf should hold, MAX_OBJ");
+    app.add_option("--build", params.build, "how the structure is built (default: the structure's own)")->type_name("NAME");
+    addWholeNumber(app, "--max-leaf", params.maxLeaf, 1, 255, "most primitives a leaf should hold, MAX_OBJ");
+    addWholeNumber(app, "--max-tree-depth", params.maxTreeDepth, 1, 64, "most levels of a tree, MAX_DEPTH");
+    addWholeNumber(app, "--levels", params.levels, 1, 2, "levels of a grid");
+    const auto parseDensity = [&params](const std::string& text) {
+        const std::optional<double> value = numberOf<double>(text);
+        if (!value || !(*value >= 1e-3 && *value <= 1e3))
+            throw usageError("--grid-density {}: a number from 0.001 to 1000 is wanted", text);
+        params.gridDensity = static_cast<float>(*value);
+    };
+    app.add_option_function<std::string>("--grid-density", parseDensity, "cells of a grid a primitive")->type_name("X");
+    const auto parseBudget = [&params](const std::string& text) {
+        const std::optional<uint32_t> mebibytes = wholeNumber(text, 1, 1u << 20);
+        if (!mebibytes) throw usageError("--memory-budget {}: a whole number of MiB from 1 to 1048576 is wanted", text);
+        params.memoryBudget = uint64_t{*mebibytes} << 20;
+    };
+    app.add_option_function<std::string>("--memory-budget", parseBudget,
+                                         "most MiB of a structure: builders stop subdividing before it (default: 4096)")
+        ->type_name("MIB");
     addWholeNumber(app, "--seed", options.seed, 0, largest, "of the random numbers (default: 0)");
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "rays/types.hpp"
+#include "structures/structure.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -26,10 +27,8 @@ struct Options {
     bool quiet = false;
 
     // The acceleration structure.
-    std::string accel = "bvh";    ///< a line of structures/registry.def
-    std::string walk = "auto";    ///< auto: the fastest measured on the device
-    std::string build;            ///< empty: the structure's own default
-    uint32_t maxLeaf = 0;         ///< most primitives a leaf should hold (MAX_OBJ); 0: the structure's own default
+    std::string accel = "bvh";  ///< a line of structures/registry.def
+    BuildParams buildParams;    ///< which of them a structure offers, its builder checks
 
     // What is read and written. `trace` and `render` have one scene; `compare` a scene, or two pictures.
     std::vector<std::filesystem::path> inputs;

@@ -38,8 +38,7 @@ Structure buildStructure(const Options& options, const Geometry& geometry, const
             triangles[i] = {geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z]};
         }
     });
-    const BuildParams params{.build = options.build, .walk = options.walk, .maxLeaf = options.maxLeaf};
-    Structure structure = structureType(options.accel).build(triangles, params);
+    Structure structure = structureType(options.accel).build(triangles, options.buildParams);
     const std::vector<uint8_t> seeThrough = findSeeThrough(scene, geometry);
     if (!seeThrough.empty()) structure.markSeeThrough(seeThrough);
     return structure;

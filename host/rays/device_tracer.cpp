@@ -29,8 +29,9 @@ struct Push {
 
 /// A walk of shaders/trace.comp.in that is not finished.
 struct Pause {
+    uvec4 at;
     uint32_t ray;
-    std::array<uint32_t, 2> at;
+    std::array<uint32_t, 3> padding;
 };
 
 /// Where shaders/trace.comp.in counts.

@@ -7,9 +7,7 @@
 namespace raig::brute {
 
 Structure build(std::span<const Triangle> triangles, const BuildParams& params) {
-    if (params.walk != "auto") throw usageError("--walk {}: brute has only one walk; leave the option out", params.walk);
-    if (!params.build.empty())
-        throw usageError("--build {}: brute has only one builder; leave the option out", params.build);
+    refuseOtherOptions(params, "brute", {});
     const auto start = std::chrono::steady_clock::now();
     Structure structure;
     structure.name = "brute";

@@ -34,6 +34,7 @@ std::vector<BoxReference> referencesOf(std::span<const Triangle> triangles) {
 }
 
 void checkParams(const BuildParams& params) {
+    refuseOtherOptions(params, "bvh", {"--build", "--walk", "--max-leaf"});
     if (!params.build.empty() && params.build != "binned")
         throw usageError("--build {}: no such builder of bvh; there is binned", params.build);
     if (params.maxLeaf > largestLeaf)

@@ -48,6 +48,17 @@ const StructureType& structureType(std::string_view name) {
     throw usageError("--accel {}: no such structure; there are {}", name, names);
 }
 
+void refuseOtherOptions(const BuildParams& params, std::string_view structure, std::initializer_list<std::string_view> offered) {
+    const std::pair<std::string_view, bool> given[] = {
+        {"--build", !params.build.empty()},          {"--walk", params.walk != "auto"},
+        {"--max-leaf", params.maxLeaf != 0},         {"--max-tree-depth", params.maxTreeDepth != 0},
+        {"--grid-density", params.gridDensity != 0}, {"--levels", params.levels != 0},
+    };
+    for (const auto& [option, isGiven] : given)
+        if (isGiven && std::find(offered.begin(), offered.end(), option) == offered.end())
+            throw usageError("{}: {} has no such option; leave it out", option, structure);
+}
+
 float unitOf(const Box& bounds) {
     if (bounds.empty()) return 1.0f;
     float largest = 0.0f;

@@ -6,6 +6,7 @@
 #include "base/vectors.hpp"
 
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <span>
 #include <string>
@@ -40,10 +41,18 @@ struct Triangle {
 
 /// Options of all builders, each with the builders that read it. Names are as on the command line.
 struct BuildParams {
-    std::string build;          ///< bvh: "binned". Empty: the structure's default
+    std::string build = "";     ///< bvh: "binned". Empty: the structure's default
     std::string walk = "auto";  ///< bvh: "skip", "octants", "octants16", or "auto"
-    uint32_t maxLeaf = 0;       ///< most triangles in a leaf, 1 to 15; 0: the structure's default
+    uint32_t maxLeaf = 0;       ///< most triangles in a leaf (MAX_OBJ); 0: the structure's default
+    uint32_t maxTreeDepth = 0;  ///< levels of a tree (MAX_DEPTH); 0: the structure's default
+    float gridDensity = 0.0f;   ///< cells a triangle; 0: the structure's default
+    uint32_t levels = 0;        ///< of a grid, 1 or 2; 0: the structure's default
+    uint64_t memoryBudget = uint64_t{4} << 30;  ///< most bytes of a built structure: builders stop subdividing before it
 };
+
+/// Throws usageError if an option is given that is not among `offered` (as on the command line, "--max-leaf" say).
+/// The memory budget is every structure's.
+void refuseOtherOptions(const BuildParams& params, std::string_view structure, std::initializer_list<std::string_view> offered);
 
 struct StructureStatistics {
     uint64_t nodes = 0;  ///< of one copy of the tree

@@ -3,7 +3,7 @@
 // Requires  triangles[] in any order; `at.x` the first triangle to try.
 // Ensures   as every walk (shaders/trace.glsl); at.x == triangleCount when done.
 // Cost      O(triangles).
-void walk(WalkRay ray, INOUT(uvec2) at, uint maxSteps, INOUT(Hit) best) {
+void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
     uint end = header.triangleCount;
     for (uint step = 0u; at.x < end && step < maxSteps; ++step) {
         bool hit = testTriangle(ray, at.x, best);
@@ -11,4 +11,4 @@ void walk(WalkRay ray, INOUT(uvec2) at, uint maxSteps, INOUT(Hit) best) {
     }
 }
 
-bool isDone(uvec2 at) { return at.x >= header.triangleCount; }
+bool isDone(uvec4 at) { return at.x >= header.triangleCount; }

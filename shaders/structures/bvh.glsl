@@ -63,7 +63,7 @@ bool hitsNode(WalkRay ray, NodeSpace space, uint at, float tMax, INOUT(uint) wor
 
 // at.x: the next node. at.y: 0, or the word of the leaf whose triangles are to be tested, those already tested taken off.
 // A node beyond the last one, which no ray should hit, spares the walk a test for the end.
-void stepNode(WalkRay ray, NodeSpace space, uint end, Hit best, INOUT(uvec2) at) {
+void stepNode(WalkRay ray, NodeSpace space, uint end, Hit best, INOUT(uvec4) at) {
     bool going = at.y == 0u;
     uint word = 0u;
     bool hit = hitsNode(ray, space, at.x, best.t, word);
@@ -74,7 +74,7 @@ void stepNode(WalkRay ray, NodeSpace space, uint end, Hit best, INOUT(uvec2) at)
     at.x = going ? min(next, end) : at.x;
 }
 
-void walk(WalkRay ray, INOUT(uvec2) at, uint maxSteps, INOUT(Hit) best) {
+void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
     NodeSpace space = prepareNodes(ray);
     uint end = header.nodeCount;
     for (uint step = 0u; (at.x < end || at.y != 0u) && step < maxSteps; ++step) {
@@ -88,9 +88,9 @@ void walk(WalkRay ray, INOUT(uvec2) at, uint maxSteps, INOUT(Hit) best) {
             bool hit = testTriangle(ray, (at.y & ~LEAF) >> 4, best);
             at.y += 15u;  // first + 1, count - 1
             at.y = (at.y & 15u) == 0u ? 0u : at.y;
-            if (ANY_HIT && hit) at = uvec2(end, 0u);
+            if (ANY_HIT && hit) at = uvec4(end, 0u, 0u, 0u);
         }
     }
 }
 
-bool isDone(uvec2 at) { return at.x >= header.nodeCount && at.y == 0u; }
+bool isDone(uvec4 at) { return at.x >= header.nodeCount && at.y == 0u; }
