@@ -15,7 +15,8 @@ struct WalkRay {
     float tMin;
     vec3 inverse;   // 1 / direction, where components below 2^-27 of the largest count as that (never infinite)
     float tMax;
-    vec3 reach;     // |inverse| times the slack of box tests against triangles and float planes
+    vec3 reach;     // |inverse| times SLACK
+    float tolerance;  // 16 u M, by which the arithmetic of a triangle test may misplace a triangle along y
     vec2 shear;     // direction.(x,y) / direction.z, in the axes below
     float inverseZ;
     uint axisZ;     // the axis of the largest direction component; x and y follow it cyclically
@@ -59,9 +60,10 @@ float distanceOutside(WalkRay ray, float unit, float t) {
 
 // Makes a ray ready. `lo` and `hi` bound the scene in its unit.
 //
-// The slack: the shear of a triangle's corners and the slab arithmetic together misplace the ray against the triangle by
-// at most 11 u M along each axis (three roundings a corner of magnitudes up to 2 M, three of the slope, three of a slab).
-// Boxes are therefore widened by 16 u M: a ray that meets a triangle, as rounded, meets its box, as rounded.
+// SLACK is 64 u M, M the largest distance along an axis from the ray's origin to the scene's bounds. The shear of a triangle's
+// corners misplaces them against the ray by 11 u M along each axis (three roundings a corner of magnitudes up to 2 M, three of
+// the slope), the place in the triangle by 22 u M and the tolerance more, the distance by 4 u M, and a slab takes 6 u M (three
+// roundings). So boxes are widened by it: a ray that meets a triangle, as rounded, meets its box, as rounded, where it does.
 WalkRay prepareRay(Ray ray, vec3 lo, vec3 hi, float unit) {
     WalkRay r;
     vec3 size = vec3(abs(ray.direction.x), abs(ray.direction.y), abs(ray.direction.z));
@@ -94,8 +96,9 @@ WalkRay prepareRay(Ray ray, vec3 lo, vec3 hi, float unit) {
     m = abs(toHi.y) > m ? abs(toHi.y) : m;
     m = abs(toHi.z) > m ? abs(toHi.z) : m;
     precise float slackUnit = m * 5.9604644775390625e-8f;  // M u
-    precise vec3 reach = vec3(abs(inverse.x), abs(inverse.y), abs(inverse.z)) * (slackUnit * 16.0f);
+    precise vec3 reach = vec3(abs(inverse.x), abs(inverse.y), abs(inverse.z)) * (slackUnit * 64.0f);
     r.reach = reach;
+    r.tolerance = slackUnit * 16.0f;
 
     vec3 d = turned(direction, r.axisZ);
     precise vec2 shear = vec2(d.x / d.z, d.y / d.z);
@@ -117,16 +120,6 @@ float maxOf(float a, float b) { return intBitsToFloat(max(floatBitsToInt(a), flo
 
 float minOf(float a, float b) { return intBitsToFloat(min(floatBitsToInt(a), floatBitsToInt(b))); }
 
-float least(float a, float b, float c) {
-    float ab = a < b ? a : b;
-    return ab < c ? ab : c;
-}
-
-float greatest(float a, float b, float c) {
-    float ab = a > b ? a : b;
-    return ab > c ? ab : c;
-}
-
 // True if the ray meets the box between its near and its far planes (each already chosen by the direction's signs) at some
 // distance in [tMin, tMax]. Requires tMin >= 0. Monotonic: whatever meets a box meets every box around it.
 // Source: Williams et al. 2005, "An Efficient and Robust Ray-Box Intersection Algorithm"; the slack replaces Ize 2013.
@@ -144,47 +137,69 @@ bool hitsPlanes(WalkRay ray, vec3 near, vec3 far, float tMax) {
 // Ensures   Watertight: the edge functions of two triangles that share an edge are exact negatives of each other, and a sign is
 //           right or the value is zero, which counts as inside. So a ray meets at least one of the triangles around any
 //           edge or vertex. A ray in the triangle's plane does not meet it.
-//           The distance lies where the ray is inside the triangle's own widened box: so a box around the triangle is never
-//           left out before the triangle is found, and a sliver cannot report a distance outside its extent.
-// Source    Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", without its fallback to double precision.
+//           The point at distance t lies within SLACK of the triangle itself along each axis, however edge-on it is seen:
+//           barycentric coordinates out of the edge functions would be noise there. So a walk finds the triangle in any
+//           box, cell or half-space, widened by the slack, that holds the part of it where it is hit.
+// How       With the ray as the origin and z along it, the line x = 0 cuts two edges that meet in a corner p, at (y1, z1) and
+//           (y2, z2); the hit lies between the two, at y = 0. Each quotient is of differences of like sign, so it is right to
+//           three roundings, and what they misplace is 22 u M at most.
+// Source    Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", for the edge functions, without its fallback to
+//           double precision.
 bool intersectTriangle(WalkRay ray, vec3 a, vec3 b, vec3 c, uint id, bool obstacle, INOUT(Hit) best) {
     precise vec3 toA = a - ray.origin;
     precise vec3 toB = b - ray.origin;
     precise vec3 toC = c - ray.origin;
-
-    precise vec3 tA = toA * ray.inverse;
-    precise vec3 tB = toB * ray.inverse;
-    precise vec3 tC = toC * ray.inverse;
-    precise vec3 enter = vec3(least(tA.x, tB.x, tC.x), least(tA.y, tB.y, tC.y), least(tA.z, tB.z, tC.z)) - ray.reach;
-    precise vec3 leave = vec3(greatest(tA.x, tB.x, tC.x), greatest(tA.y, tB.y, tC.y), greatest(tA.z, tB.z, tC.z)) + ray.reach;
-    float first = greatest(enter.x, enter.y, enter.z);
-    float last = least(leave.x, leave.y, leave.z);
-
-    vec3 pA = turned(toA, ray.axisZ);
-    vec3 pB = turned(toB, ray.axisZ);
-    vec3 pC = turned(toC, ray.axisZ);
-    precise float aX = pA.x - ray.shear.x * pA.z;
-    precise float aY = pA.y - ray.shear.y * pA.z;
-    precise float bX = pB.x - ray.shear.x * pB.z;
-    precise float bY = pB.y - ray.shear.y * pB.z;
-    precise float cX = pC.x - ray.shear.x * pC.z;
-    precise float cY = pC.y - ray.shear.y * pC.z;
+    vec3 A = turned(toA, ray.axisZ);
+    vec3 B = turned(toB, ray.axisZ);
+    vec3 C = turned(toC, ray.axisZ);
+    precise float aX = A.x - ray.shear.x * A.z;
+    precise float aY = A.y - ray.shear.y * A.z;
+    precise float bX = B.x - ray.shear.x * B.z;
+    precise float bY = B.y - ray.shear.y * B.z;
+    precise float cX = C.x - ray.shear.x * C.z;
+    precise float cY = C.y - ray.shear.y * C.z;
     precise float edgeA = cX * bY - cY * bX;
     precise float edgeB = aX * cY - aY * cX;
     precise float edgeC = bX * aY - bY * aX;
     precise float area = edgeA + edgeB + edgeC;
-
     bool positive = edgeA >= 0.0f && edgeB >= 0.0f && edgeC >= 0.0f;
     bool negative = edgeA <= 0.0f && edgeB <= 0.0f && edgeC <= 0.0f;
-    bool inside = (positive || negative) && abs(area) >= SMALLEST_NORMAL && first <= last;
 
-    precise float inverseArea = 1.0f / (inside ? area : 1.0f);
-    precise float u = edgeB * inverseArea;
-    precise float v = edgeC * inverseArea;
-    precise float z = edgeA * inverseArea * pA.z + u * pB.z + v * pC.z;
+    // Which corners lie on the left of x = 0; those on it do, where no other does. p is alone on its side.
+    bool none = aX >= 0.0f && bX >= 0.0f && cX >= 0.0f;
+    bool leftA = aX < 0.0f || (none && aX == 0.0f);
+    bool leftB = bX < 0.0f || (none && bX == 0.0f);
+    bool leftC = cX < 0.0f || (none && cX == 0.0f);
+    bool cut = leftA != leftB || leftA != leftC;
+    bool pIsC = leftA == leftB;
+    bool pIsB = leftA == leftC && !pIsC;
+    A = vec3(aX, aY, A.z);
+    B = vec3(bX, bY, B.z);
+    C = vec3(cX, cY, C.z);
+    vec3 p = pIsC ? C : (pIsB ? B : A);
+    vec3 q = pIsC ? A : (pIsB ? C : B);
+    vec3 r = pIsC ? B : (pIsB ? A : C);
+    precise float toQ = p.x / (p.x - q.x);
+    precise float toR = p.x / (p.x - r.x);
+    precise float y1 = p.y + toQ * (q.y - p.y);
+    precise float y2 = p.y + toR * (r.y - p.y);
+    precise float z1 = p.z + toQ * (q.z - p.z);
+    precise float z2 = p.z + toR * (r.z - p.z);
+    precise float apart = y1 - y2;
+    precise float across = y1 / (apart == 0.0f ? 1.0f : apart);
+    across = apart == 0.0f || across < 0.0f ? 0.0f : across;
+    across = across > 1.0f ? 1.0f : across;
+    bool spans = (y1 <= ray.tolerance || y2 <= ray.tolerance) && (y1 >= -ray.tolerance || y2 >= -ray.tolerance);
+    bool inside = (positive || negative) && abs(area) >= SMALLEST_NORMAL && cut && spans;
+
+    precise float z = z1 + across * (z2 - z1);
     precise float t = z * ray.inverseZ;
-    t = t < first ? first : t;
-    t = t > last ? last : t;
+    precise float ofQ = toQ - across * toQ;
+    precise float ofR = across * toR;
+    precise float rest = 1.0f - ofQ - ofR;
+    float ofP = rest < 0.0f ? 0.0f : rest;
+    float u = pIsC ? ofR : (pIsB ? ofP : ofQ);
+    float v = pIsC ? ofP : (pIsB ? ofQ : ofR);
     bool nearer = t < best.t || (t == best.t && id < best.primitive);
     bool better = inside && obstacle && t >= ray.tMin && nearer;
     best.t = better ? t : best.t;

@@ -25,8 +25,8 @@ struct NodeSpace {
 NodeSpace prepareNodes(WalkRay ray) {
     NodeSpace s;
     s.first = header.walk == WALK_SKIP ? 0u : octantOf(ray) * (header.nodeCount + 1u);
-    // The slack of quantised planes: 16 u M as for all boxes, and 11 u M for the roundings of q * step + base.
-    vec3 reach = ray.reach * 2.0f;
+    // The slack of quantised planes: as for all boxes, and 11 u M for the roundings of q * step + base.
+    vec3 reach = ray.reach * 1.25f;
     s.step = header.gridStep * ray.inverse;
     vec3 base = (header.gridOrigin - ray.origin) * ray.inverse;
     s.enterBase = base - reach;
