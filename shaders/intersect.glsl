@@ -9,7 +9,7 @@ CONSTANT float SMALLEST_NORMAL = 1.17549435e-38f;
 CONSTANT float LARGEST_FLOAT = 3.4028234e38f;
 
 // A ray made ready for walking, in the structure's own unit of length. The direction is scaled by a power of two so that its
-// largest component has magnitude [1, 2) (below 4 at the top of the range). Both are exact, and so is what it does to distances.
+// largest component has magnitude [1, 2) (below 4 at the top of the range). Both are exact, and so is it for distances.
 struct WalkRay {
     vec3 origin;
     float tMin;

@@ -44,7 +44,7 @@ vec3 faceNormal(vec3 a, vec3 b, vec3 c, vec3 fallback) {
 //        [the method of Pharr, Jakob and Humphreys 2023, "Physically Based Rendering", section 6.8; smaller than their bound
 //        for b0 a + b1 b + b2 c, which in a small triangle far from the origin is 7 u |position|].
 // blur   8 u |L|, L the way to the farthest corner: the triangle test divides the sides and then what lies between two of them,
-//        so what it misplaces is in proportion to these, whatever the triangle's shape. With 4 u none of 60,000 rays from triangles
+//        so what it misplaces is in proportion to these, whatever the shape. With 4 u none of 60,000 rays from triangles
 //        of all shapes, sizes 1e-6 to 1e6, up to 1e6 from the origin met the one it had left; with 2 u, three.
 BoundedPoint pointOf(vec3 a, vec3 b, vec3 c, float b1, float b2) {
     precise vec3 ab = b - a;
