@@ -7,18 +7,51 @@
 // improves `best`; isDone(at) says that nothing is left. Then best.primitive == NO_HIT, or best is the nearest hit in
 // [tMin, tMax], ties to the lowest id; with ANY_HIT it is the first one met.
 
+// Nothing met so far; or, taken up again, what `hit` says.
+Hit bestSoFar(WalkRay walkRay, Hit hit) {
+    Hit best = hit;
+    best.t = hit.primitive != NO_HIT ? distanceInside(walkRay, header.unit, hit.t) : walkRay.tMax;
+    return best;
+}
+
+Hit outside(WalkRay walkRay, Hit best) {
+    Hit hit = best;
+    hit.t = best.primitive == NO_HIT ? uintBitsToFloat(0x7f800000u) : distanceOutside(walkRay, header.unit, best.t);
+    return hit;
+}
+
 // Begins (at == 0) or takes up again the walk of `ray`. Returns true if it is finished. `hit` carries the best hit so far
 // from call to call: distances are scaled by powers of two inside, so nothing is lost on the way.
 bool traceRay(Ray ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) hit) {
     WalkRay walkRay = prepareRay(ray, header.lo, header.hi, header.unit);
-    bool found = hit.primitive != NO_HIT;
-    Hit best = hit;
-    best.t = found ? distanceInside(walkRay, header.unit, hit.t) : walkRay.tMax;
+    Hit best = bestSoFar(walkRay, hit);
     uvec4 state = at;
-    if (walkRay.valid && header.triangleCount > 0u) walk(walkRay, state, maxSteps, best);
-    bool done = !walkRay.valid || header.triangleCount == 0u || isDone(state);
+    bool walks = walkRay.valid && header.triangleCount > 0u;
+    if (walks) walk(walkRay, state, maxSteps, best);
     at = state;
-    hit = best;
-    hit.t = best.primitive == NO_HIT ? uintBitsToFloat(0x7f800000u) : distanceOutside(walkRay, header.unit, best.t);
-    return done;
+    hit = outside(walkRay, best);
+    return !walks || isDone(state);
+}
+
+// Traces two rays from beginning to end, the second only if `both`. Returns how many are not finished after maxSteps.
+// A structure that can walk two rays in turn says so by WALKS_IN_PAIRS: for those that cannot, they go one after the other.
+uint tracePair(Ray rayA, Ray rayB, bool both, uint maxSteps, INOUT(Hit) hitA, INOUT(Hit) hitB) {
+#ifdef WALKS_IN_PAIRS
+    WalkRay walkA = prepareRay(rayA, header.lo, header.hi, header.unit);
+    WalkRay walkB = prepareRay(rayB, header.lo, header.hi, header.unit);
+    Hit bestA = bestSoFar(walkA, hitA);
+    Hit bestB = bestSoFar(walkB, hitB);
+    uvec4 atA = walkA.valid ? uvec4(0u) : endOfWalk();
+    uvec4 atB = walkB.valid && both ? uvec4(0u) : endOfWalk();
+    walkPair(walkA, walkB, atA, atB, maxSteps, bestA, bestB);
+    hitA = outside(walkA, bestA);
+    hitB = outside(walkB, bestB);
+    return (isDone(atA) ? 0u : 1u) + (isDone(atB) ? 0u : 1u);
+#else
+    uvec4 atA = uvec4(0u);
+    uvec4 atB = uvec4(0u);
+    bool doneA = traceRay(rayA, atA, maxSteps, hitA);
+    bool doneB = !both || traceRay(rayB, atB, maxSteps, hitB);
+    return (doneA ? 0u : 1u) + (doneB ? 0u : 1u);
+#endif
 }

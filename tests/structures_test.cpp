@@ -91,6 +91,23 @@ TEST_P(EveryStructure, FindsAnyHitExactlyWhereThereIsOne) {
     }
 }
 
+// From so far away that rounding there is as large as the scene, a ray meets every box: the walk must end all the same.
+TEST_P(EveryStructure, IsWalkedFromVeryFarAway) {
+    const Soup soup{"sphere", test::sphere(20, 1.0, dvec3(0), 0.1)};
+    const Structure structure = build(soup);
+    const Structure brute = structureType("brute").build(soup.triangles, {});
+    for (const double distance : {1e3, 1e6, 1e7, 1e9, 1e15}) {
+        std::vector<Ray> rays;
+        for (uint32_t octant = 0; octant < 8; ++octant) {
+            const dvec3 from(octant & 1 ? 1 : -0.7, octant & 2 ? 0.9 : -1, octant & 4 ? 0.8 : -1.1);
+            rays.push_back({vec3(from * distance), 0.0f, vec3(-from), std::numeric_limits<float>::infinity()});
+        }
+        const std::vector<Hit> want = traceOnCpu(brute, rays, Query::closest);
+        const std::vector<Hit> got = traceOnCpu(structure, rays, Query::closest);
+        for (size_t i = 0; i < rays.size(); ++i) EXPECT_TRUE(sameBits(got[i], want[i])) << distance << " octant " << i;
+    }
+}
+
 TEST_P(EveryStructure, IsTheSameForAnyNumberOfThreads) {
     const Soup soup{"sphere", test::sphere(150, 1.0, dvec3(0), 0.1)};
     std::vector<Structure> built;

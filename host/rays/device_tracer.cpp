@@ -70,6 +70,7 @@ public:
           name_("trace_" + structure.name + (device.loadsTexel() ? "_texel" : "_storage")),
           walk_(structure.header.walk),
           counting_(counting),
+          paired_(device.info().type == DeviceType::software),
           header_(device, sizeof(StructureHeader)),
           nodes_(device, std::as_bytes(std::span(structure.nodes))),
           triangles_(device, std::as_bytes(std::span(structure.triangles))),
@@ -121,7 +122,7 @@ private:
                 Kernel& whole = kernelFor(query, shadows, Stage::whole);
                 bind(whole, rays, hits);
                 // Saving state costs every ray; so it is done only once a structure has shown that it needs it.
-                pausing_ = dispatch(whole, {first, some, maxSteps}, report) > 0;
+                pausing_ = dispatch(whole, {first, some, maxSteps}, paired_ ? 2 * workgroupSize : workgroupSize, report) > 0;
             }
             if (pausing_) traceInPieces(rays, hits, {first, some, maxSteps}, query, shadows, report);
             first += some;
@@ -133,11 +134,11 @@ private:
         Kernel& beginning = kernelFor(query, shadows, Stage::beginning);
         Kernel& resuming = kernelFor(query, shadows, Stage::resuming);
         bind(beginning, rays, hits);
-        uint32_t unfinished = dispatch(beginning, push, report);
+        uint32_t unfinished = dispatch(beginning, push, workgroupSize, report);
         while (unfinished > 0) {
             std::swap(paused_, unfinished_);
             bind(resuming, rays, hits);
-            unfinished = dispatch(resuming, {0, unfinished, maxSteps}, report);
+            unfinished = dispatch(resuming, {0, unfinished, maxSteps}, workgroupSize, report);
         }
     }
 
@@ -153,9 +154,9 @@ private:
     }
 
     /// Returns how many walks are not finished.
-    uint32_t dispatch(Kernel& kernel, const Push& push, TraceReport& report) {
+    uint32_t dispatch(Kernel& kernel, const Push& push, uint32_t raysAGroup, TraceReport& report) {
         commands_.fill(counts_, 0);
-        commands_.dispatch(kernel, {(push.count + workgroupSize - 1) / workgroupSize}, push);
+        commands_.dispatch(kernel, {(push.count + raysAGroup - 1) / raysAGroup}, push);
         const RunReport ran = commands_.run();
         size_.learn(push.count, ran.seconds);
         Counts counts;
@@ -187,6 +188,7 @@ private:
                 {8, triangles_.chunkShift()},
                 {9, /* PAUSING */ stage != Stage::whole},
                 {10, /* RESUMING */ stage == Stage::resuming},
+                {11, /* PAIRED */ stage == Stage::whole && paired_},
             };
             kernel = std::make_unique<Kernel>(device_, name_, *spirv, constants);
         }
@@ -204,6 +206,7 @@ private:
     std::string name_;
     uint32_t walk_;
     bool counting_;
+    bool paired_;  // two rays an invocation: a processor computes one while it waits for the other's nodes
     Buffer header_;
     BigArray nodes_;
     BigArray triangles_;

@@ -38,7 +38,7 @@ struct SahCosts {
     float triangle = 1.0f;
 };
 
-/// Builds top down, 16 bins an axis over the centroids' bounds. References whose centroids coincide are halved by order, and
+/// Builds top down, up to 16 bins an axis over the centroids' bounds. References whose centroids coincide are halved by order, and
 /// so is everything below depth 64: no tree is deeper than 64 + log2(n).
 /// Requires 1 <= maxLeaf. Deterministic for any number of threads. O(n log n) expected; 32 n bytes beside the result.
 /// Source: Wald 2007, "On fast Construction of SAH-based Bounding Volume Hierarchies".

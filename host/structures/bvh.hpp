@@ -8,10 +8,10 @@
 ///     skip       one tree, nodes of 32 bytes: (lo, word) (hi, 0); children in an order that suits no ray in particular
 ///     octants    eight trees, one for each octant of ray directions, children near first, boxes as (near, far) planes
 ///     octants16  the same with 16-bit planes on a grid over the scene, rounded outwards: 16 bytes a node
-/// Each tree ends in a node that no ray hits, whose word is its own index: the end of the walk.
+/// Each tree ends in nodes that no ray hits but from very far away, whose words are their own indices: the end of the walk.
 /// word: the skip link; or 1 << 31 | first triangle << 4 | count (1 to 15) of a leaf.
 ///
-/// Splits minimise the surface area heuristic over 16 bins an axis [Wald 2007, "On fast Construction of SAH-based Bounding
+/// Splits minimise the surface area heuristic over up to 16 bins an axis [Wald 2007, "On fast Construction of SAH-based Bounding
 /// Volume Hierarchies"]. Skip links follow [Smits 1998, "Efficiency Issues for Ray Tracing"]. The walk is
 /// shaders/structures/bvh.glsl.
 #pragma once

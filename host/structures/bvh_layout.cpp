@@ -36,6 +36,17 @@ uint32_t quantise(double coordinate, double origin, double step, bool upwards) {
     return static_cast<uint32_t>(std::clamp(whole, 0.0, 65535.0));
 }
 
+/// A box as 16-bit planes: of each axis the lower one, and the upper one << 16.
+uvec3 quantised(const Box& sceneBox, const StructureHeader& header) {
+    uvec3 planes(0u);
+    for (int axis = 0; axis < 3; ++axis) {
+        const double origin = header.gridOrigin[axis], step = header.gridStep[axis];
+        planes[axis] = quantise(sceneBox.lo[axis] * header.unit, origin, step, false) |
+                       quantise(sceneBox.hi[axis] * header.unit, origin, step, true) << 16;
+    }
+    return planes;
+}
+
 bool isNegative(uint32_t octant, int axis) {
     return ((octant >> axis) & 1u) != 0;
 }
@@ -43,8 +54,8 @@ bool isNegative(uint32_t octant, int axis) {
 /// Writes one copy of the tree, depth first, children in the order that suits `octant`.
 class CopyWriter {
 public:
-    CopyWriter(const BinaryTree& tree, Structure& structure, uint32_t octant)
-        : tree_(tree), structure_(structure), octant_(octant) {}
+    CopyWriter(const BinaryTree& tree, std::span<const uvec3> planes, Structure& structure, uint32_t octant)
+        : tree_(tree), planes_(planes), structure_(structure), octant_(octant) {}
 
     void write() {
         std::vector<uint32_t> pending{0};
@@ -57,13 +68,13 @@ public:
             const BinaryNode& node = tree_.nodes[index];
             const uint32_t place = next++;
             if (node.count > 0) {
-                put(place, node.box, leafBit | node.first << 4 | node.count);
+                put(place, index, leafBit | node.first << 4 | node.count);
                 // A complete subtree completes its parent, if that waits for no other child.
                 for (; !open.empty() && --waiting.back() == 0; open.pop_back(), waiting.pop_back())
                     setWord(open.back(), next);
                 continue;
             }
-            put(place, node.box, 0);
+            put(place, index, 0);
             open.push_back(place);
             waiting.push_back(2);
             const bool swapped = copies(structure_) == 8 && isNegative(octant_, static_cast<int>(node.axis));
@@ -71,7 +82,7 @@ public:
             pending.push_back(swapped ? node.right : node.left);
         }
         RAIG_CHECK_OP(next, ==, structure_.header.nodeCount);
-        put(next, Box{vec3(largestCoordinate), vec3(-largestCoordinate)}, next);
+        for (uint32_t i = next; i < next + shared::BVH_END_NODES; ++i) putEnd(i, i);
     }
 
 private:
@@ -82,19 +93,29 @@ private:
 
     void setWord(uint32_t place, uint32_t word) { structure_.nodes[offset(place)].w = word; }
 
-    void put(uint32_t place, const Box& sceneBox, uint32_t word) {
+    void put(uint32_t place, uint32_t index, uint32_t word) {
+        if (structure_.header.walk != shared::WALK_OCTANTS16) return putFloats(place, tree_.nodes[index].box, word);
+        uvec4& node = structure_.nodes[offset(place)];
+        for (int axis = 0; axis < 3; ++axis) {
+            const uint32_t planes = planes_[index][axis];
+            node[axis] = isNegative(octant_, axis) ? planes >> 16 | planes << 16 : planes;
+        }
+        node.w = word;
+    }
+
+    /// What no ray hits.
+    void putEnd(uint32_t place, uint32_t word) {
+        if (structure_.header.walk != shared::WALK_OCTANTS16)
+            return putFloats(place, Box{vec3(largestCoordinate), vec3(-largestCoordinate)}, word);
+        uvec4& node = structure_.nodes[offset(place)];
+        for (int axis = 0; axis < 3; ++axis) node[axis] = isNegative(octant_, axis) ? 0xffff0000u : 0x0000ffffu;
+        node.w = word;
+    }
+
+    void putFloats(uint32_t place, const Box& sceneBox, uint32_t word) {
         const StructureHeader& header = structure_.header;
         const Box box{sceneBox.lo * header.unit, sceneBox.hi * header.unit};
         uvec4* node = structure_.nodes.data() + offset(place);
-        if (header.walk == shared::WALK_OCTANTS16) {
-            for (int axis = 0; axis < 3; ++axis) {
-                const uint32_t lo = quantise(box.lo[axis], header.gridOrigin[axis], header.gridStep[axis], false);
-                const uint32_t hi = quantise(box.hi[axis], header.gridOrigin[axis], header.gridStep[axis], true);
-                node[0][axis] = isNegative(octant_, axis) ? hi | lo << 16 : lo | hi << 16;
-            }
-            node[0].w = word;
-            return;
-        }
         for (int axis = 0; axis < 3; ++axis) {
             const bool swapped = header.walk == shared::WALK_OCTANTS && isNegative(octant_, axis);
             node[0][axis] = bits(swapped ? box.hi[axis] : box.lo[axis]);
@@ -105,6 +126,7 @@ private:
     }
 
     const BinaryTree& tree_;
+    std::span<const uvec3> planes_;
     Structure& structure_;
     uint32_t octant_;
 };
@@ -146,9 +168,14 @@ void layOut(const BinaryTree& tree, std::string_view walk, Structure& structure)
     const size_t nodeTexels = structure.header.walk == shared::WALK_OCTANTS16 ? 1 : 2;
     structure.nodes.resize(copies(structure) * nodesACopy(structure.header) * nodeTexels);
     if (tree.nodes.empty()) return;
+    std::vector<uvec3> planes(structure.header.walk == shared::WALK_OCTANTS16 ? tree.nodes.size() : 0);
+    parallelFor(planes.size(), 4096, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i)
+            if (!tree.nodes[i].box.empty()) planes[i] = quantised(tree.nodes[i].box, structure.header);
+    });
     parallelFor(copies(structure), 1, [&](size_t begin, size_t end) {
         for (size_t octant = begin; octant < end; ++octant)
-            CopyWriter(tree, structure, static_cast<uint32_t>(octant)).write();
+            CopyWriter(tree, planes, structure, static_cast<uint32_t>(octant)).write();
     });
 }
 

@@ -20,9 +20,9 @@ LaidNode laidNode(const Structure& structure, uint32_t octant, uint32_t index);
 /// The number of copies of the tree: 1 or 8.
 uint32_t copies(const Structure& structure);
 
-/// Nodes of each copy with the one at its end that no ray hits.
+/// Nodes of each copy with those at its end that stop a walk.
 inline size_t nodesACopy(const StructureHeader& header) {
-    return size_t{header.nodeCount} + 1;
+    return size_t{header.nodeCount} + shared::BVH_END_NODES;
 }
 
 inline constexpr uint32_t leafBit = 0x80000000u;

@@ -19,9 +19,10 @@ struct StructureHeader {
 const uint TRIANGLE_STRIDE = 3u;
 const uint TRIANGLE_SEE_THROUGH = 1u;  // lets light through: no obstacle to shadow rays
 
-// Walks of bvh.
+// Walks of bvh, and how many nodes end each copy of the tree: as many as a walk takes steps before it looks, and one.
 const uint WALK_SKIP = 0u;       // one depth-first tree with skip links, nodes of 32 bytes
 const uint WALK_OCTANTS = 1u;    // eight, one for each octant of directions, nodes of 32 bytes
+const uint BVH_END_NODES = 7u;
 const uint WALK_OCTANTS16 = 2u;  // eight, nodes of 16 bytes with 16-bit planes
 
 #endif

@@ -12,6 +12,8 @@
 // Source    Smits 1998, "Efficiency Issues for Ray Tracing" (skip links); a tree an octant: Torres et al. 2009, "Ray Casting
 //           using a Roped BVH with CUDA".
 
+#define WALKS_IN_PAIRS
+
 CONSTANT uint LEAF = 0x80000000u;
 
 // What tests of nodes need of a ray: for 16-bit planes, distance = q * step + base.
@@ -24,7 +26,7 @@ struct NodeSpace {
 
 NodeSpace prepareNodes(WalkRay ray) {
     NodeSpace s;
-    s.first = header.walk == WALK_SKIP ? 0u : octantOf(ray) * (header.nodeCount + 1u);
+    s.first = header.walk == WALK_SKIP ? 0u : octantOf(ray) * (header.nodeCount + BVH_END_NODES);
     // The slack of quantised planes: as for all boxes, and 11 u M for the roundings of q * step + base.
     vec3 reach = ray.reach * 1.25f;
     s.step = header.gridStep * ray.inverse;
@@ -33,6 +35,12 @@ NodeSpace prepareNodes(WalkRay ray) {
     s.leaveBase = base + reach;
     return s;
 }
+
+// What the last test of a node came to.
+struct Step {
+    uint word;
+    bool holdsLeaf;
+};
 
 // Reads node `at` into `word` and says whether the ray meets its box no later than tMax.
 bool hitsNode(WalkRay ray, NodeSpace space, uint at, float tMax, INOUT(uint) word) {
@@ -61,36 +69,83 @@ bool hitsNode(WalkRay ray, NodeSpace space, uint at, float tMax, INOUT(uint) wor
     return hitsPlanes(ray, near, far, tMax);
 }
 
-// at.x: the next node. at.y: 0, or the word of the leaf whose triangles are to be tested, those already tested taken off.
-// A node beyond the last one, which no ray should hit, spares the walk a test for the end.
-void stepNode(WalkRay ray, NodeSpace space, uint end, Hit best, INOUT(uvec4) at) {
-    bool going = at.y == 0u;
+// Tests node `at` and goes on to the next: but a ray that hits a leaf stays there, until its triangles are tested.
+// Where to go in either case is found while the box is tested, so that one choice follows it: a walk waits for the chain of
+// its steps. `held` is the leaf that it stays at.
+void stepNode(WalkRay ray, NodeSpace space, float tMax, INOUT(uint) at, INOUT(uint) held, INOUT(Step) taken) {
+    COUNT_NODE(at != held && at < header.nodeCount)
     uint word = 0u;
-    bool hit = hitsNode(ray, space, at.x, best.t, word);
-    COUNT_NODE(going && at.x < end)
+    bool hit = hitsNode(ray, space, at, tMax, word);
+    uint after = at + 1u;
     bool leaf = word >= LEAF;
-    uint next = hit || leaf ? at.x + 1u : word;
-    at.y = going && hit && leaf ? word : at.y;
-    at.x = going ? min(next, end) : at.x;
+    uint onHit = leaf ? at : after;
+    uint onMiss = leaf ? after : word;
+    taken.holdsLeaf = hit && leaf;
+    taken.word = word;
+    at = hit ? onHit : onMiss;
+    if (COUNTING) held = taken.holdsLeaf ? at : NO_HIT;
 }
 
-void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
-    NodeSpace space = prepareNodes(ray);
-    uint end = header.nodeCount;
-    for (uint step = 0u; (at.x < end || at.y != 0u) && step < maxSteps; ++step) {
-        stepNode(ray, space, end, best, at);
-        stepNode(ray, space, end, best, at);
-        stepNode(ray, space, end, best, at);
-        stepNode(ray, space, end, best, at);
-        stepNode(ray, space, end, best, at);
-        stepNode(ray, space, end, best, at);
-        if (at.y != 0u) {
-            bool hit = testTriangle(ray, (at.y & ~LEAF) >> 4, best);
-            at.y += 15u;  // first + 1, count - 1
-            at.y = (at.y & 15u) == 0u ? 0u : at.y;
-            if (ANY_HIT && hit) at = uvec4(end, 0u, 0u, 0u);
-        }
+// Tests a triangle of the leaf at at.x, if the last step found that the ray hits one.
+void testLeaf(WalkRay ray, Step taken, INOUT(uvec4) at, INOUT(Hit) best) {
+    if (taken.holdsLeaf) {
+        uint here = at.x;
+        uint tested = at.y == here ? at.z : 0u;
+        bool hit = testTriangle(ray, ((taken.word & ~LEAF) >> 4) + tested, best);
+        at.y = here;
+        at.z = tested + 1u;
+        at.x = at.z == (taken.word & 15u) ? here + 1u : here;
+        if (ANY_HIT && hit) at.x = header.nodeCount;
     }
 }
 
-bool isDone(uvec4 at) { return at.x >= header.nodeCount && at.y == 0u; }
+// at.x: the next node. at.y: a leaf of which at.z triangles are tested already.
+// The nodes beyond the last one lead to themselves: so a walk that has come to its end stays there, or goes from one to the
+// next of them, if the ray comes from so far away that it hits everything.
+void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
+    NodeSpace space = prepareNodes(ray);
+    uint end = header.nodeCount;
+    uint held = at.z > 0u ? at.y : NO_HIT;
+    for (uint step = 0u; at.x < end && step < maxSteps; ++step) {
+        Step taken = Step(0u, false);
+        stepNode(ray, space, best.t, at.x, held, taken);
+        stepNode(ray, space, best.t, at.x, held, taken);
+        stepNode(ray, space, best.t, at.x, held, taken);
+        stepNode(ray, space, best.t, at.x, held, taken);
+        stepNode(ray, space, best.t, at.x, held, taken);
+        stepNode(ray, space, best.t, at.x, held, taken);
+        testLeaf(ray, taken, at, best);
+    }
+}
+
+// Two walks from their beginnings, step by step in turn: a software device computes one while it waits for the other.
+void walkPair(WalkRay rayA, WalkRay rayB, INOUT(uvec4) atA, INOUT(uvec4) atB, uint maxSteps, INOUT(Hit) bestA, INOUT(Hit) bestB) {
+    NodeSpace spaceA = prepareNodes(rayA);
+    NodeSpace spaceB = prepareNodes(rayB);
+    uint end = header.nodeCount;
+    uint heldA = NO_HIT;
+    uint heldB = NO_HIT;
+    for (uint step = 0u; (atA.x < end || atB.x < end) && step < maxSteps; ++step) {
+        Step takenA = Step(0u, false);
+        Step takenB = Step(0u, false);
+        stepNode(rayA, spaceA, bestA.t, atA.x, heldA, takenA);
+        stepNode(rayB, spaceB, bestB.t, atB.x, heldB, takenB);
+        stepNode(rayA, spaceA, bestA.t, atA.x, heldA, takenA);
+        stepNode(rayB, spaceB, bestB.t, atB.x, heldB, takenB);
+        stepNode(rayA, spaceA, bestA.t, atA.x, heldA, takenA);
+        stepNode(rayB, spaceB, bestB.t, atB.x, heldB, takenB);
+        stepNode(rayA, spaceA, bestA.t, atA.x, heldA, takenA);
+        stepNode(rayB, spaceB, bestB.t, atB.x, heldB, takenB);
+        stepNode(rayA, spaceA, bestA.t, atA.x, heldA, takenA);
+        stepNode(rayB, spaceB, bestB.t, atB.x, heldB, takenB);
+        stepNode(rayA, spaceA, bestA.t, atA.x, heldA, takenA);
+        stepNode(rayB, spaceB, bestB.t, atB.x, heldB, takenB);
+        atA.x = min(atA.x, end);
+        atB.x = min(atB.x, end);
+        testLeaf(rayA, takenA, atA, bestA);
+        testLeaf(rayB, takenB, atB, bestB);
+    }
+}
+
+bool isDone(uvec4 at) { return at.x >= header.nodeCount; }
+uvec4 endOfWalk() { return uvec4(header.nodeCount, 0u, 0u, 0u); }
