@@ -13,6 +13,7 @@ CONSTANT float LARGEST_FLOAT = 3.4028234e38f;
 struct WalkRay {
     vec3 origin;
     float tMin;
+    vec3 direction;
     vec3 inverse;   // 1 / direction, where components below 2^-27 of the largest count as that (never infinite)
     float tMax;
     vec3 reach;     // |inverse| times SLACK
@@ -87,6 +88,7 @@ WalkRay prepareRay(Ray ray, vec3 lo, vec3 hi, float unit) {
     precise vec3 inverse = vec3(1.0f / steep(direction.x, largest), 1.0f / steep(direction.y, largest),
                                 1.0f / steep(direction.z, largest));
     r.inverse = inverse;
+    r.direction = direction;
     precise vec3 toLo = lo - r.origin;
     precise vec3 toHi = hi - r.origin;
     float m = abs(toLo.x);
@@ -119,6 +121,10 @@ uint octantOf(WalkRay ray) {
 float maxOf(float a, float b) { return intBitsToFloat(max(floatBitsToInt(a), floatBitsToInt(b))); }
 
 float minOf(float a, float b) { return intBitsToFloat(min(floatBitsToInt(a), floatBitsToInt(b))); }
+
+// The same for floats of any sign, none of them NaN.
+float greater(float a, float b) { return a > b ? a : b; }
+float lesser(float a, float b) { return a < b ? a : b; }
 
 // True if the ray meets the box between its near and its far planes (each already chosen by the direction's signs) at some
 // distance in [tMin, tMax]. Requires tMin >= 0. Monotonic: whatever meets a box meets every box around it.

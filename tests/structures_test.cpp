@@ -19,17 +19,34 @@ struct Variant {
     BuildParams params;
 };
 
+/// As a test's name may be: letters, digits, underscores.
+std::string nameOf(const Variant& v) {
+    const BuildParams& p = v.params;
+    std::string name = v.structure + "_" + p.walk;
+    if (!p.build.empty()) name += "_" + p.build;
+    if (!p.bound.empty()) name += "_" + p.bound;
+    if (p.arity > 0) name += "_arity" + std::to_string(p.arity);
+    if (p.precision > 0) name += "_" + std::to_string(p.precision) + "bit";
+    if (p.maxLeaf > 0) name += "_leaf" + std::to_string(p.maxLeaf);
+    return name;
+}
+
 std::ostream& operator<<(std::ostream& out, const Variant& v) {
-    return out << v.structure << '_' << v.params.walk;
+    return out << nameOf(v);
 }
 
 std::vector<Variant> variants() {
     std::vector<Variant> result;
     for (const StructureType& type : structureTypes()) result.push_back({std::string(type.name), {}});
-    for (const char* walk : {"skip", "octants", "octants16"})
-        result.push_back({"bvh", {.walk = walk}});
-    result.push_back({"bvh", {.walk = "octants16", .maxLeaf = 1}});
-    result.push_back({"bvh", {.walk = "octants", .maxLeaf = 15}});
+    result.push_back({"bvh", {.walk = "skip"}});
+    result.push_back({"bvh", {.walk = "octants", .precision = 16, .maxLeaf = 1}});
+    result.push_back({"bvh", {.walk = "octants", .precision = 32, .maxLeaf = 15}});
+    for (const char* build : {"median", "binned", "sweep", "sbvh", "lbvh"})
+        for (const uint32_t precision : {16, 32}) result.push_back({"bvh", {.build = build, .precision = precision}});
+    for (const char* bound : {"aabb", "sphere", "obb", "kdop"})
+        for (const uint32_t arity : {2, 4, 8}) result.push_back({"bvh", {.bound = bound, .arity = arity}});
+    result.push_back({"bvh", {.build = "sbvh", .walk = "skip", .arity = 8}});
+    result.push_back({"bvh", {.build = "sbvh", .bound = "obb", .arity = 4}});
     return result;
 }
 
@@ -49,6 +66,9 @@ std::vector<Hit> traceOnCpu(const Structure& structure, const std::vector<Ray>& 
 
 class EveryStructure : public testing::TestWithParam<Variant> {
 protected:
+    /// Rays a soup: some 100,000 a structure in all, more in a long run.
+    static size_t rayCount() { return std::getenv("RAIG_LONG") ? 40'000 : 1200; }
+
     Structure build(const Soup& soup) const {
         return structureType(GetParam().structure).build(soup.triangles, GetParam().params);
     }
@@ -66,7 +86,7 @@ TEST_P(EveryStructure, FindsWhatBruteForceFinds) {
     for (const Soup& soup : test::soups()) {
         const Structure structure = build(soup);
         const Structure brute = structureType("brute").build(soup.triangles, {});
-        const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 7, /* count= */ 4000);
+        const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 7, rayCount());
         const std::vector<Hit> want = traceOnCpu(brute, rays, Query::closest);
         const std::vector<Hit> got = traceOnCpu(structure, rays, Query::closest);
         size_t hitCount = 0;
@@ -82,7 +102,7 @@ TEST_P(EveryStructure, FindsWhatBruteForceFinds) {
 TEST_P(EveryStructure, FindsAnyHitExactlyWhereThereIsOne) {
     for (const Soup& soup : test::soups()) {
         const Structure structure = build(soup);
-        const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 8, /* count= */ 4000);
+        const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 8, rayCount());
         const std::vector<Hit> closest = traceOnCpu(structure, rays, Query::closest);
         const std::vector<Hit> any = traceOnCpu(structure, rays, Query::any);
         for (size_t i = 0; i < rays.size(); ++i)
@@ -133,10 +153,7 @@ TEST_P(EveryStructure, IsNoObstacleToShadowsWhereLightPasses) {
     EXPECT_EQ(hits[0].primitive, 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(, EveryStructure, testing::ValuesIn(variants()), [](const auto& info) {
-    const BuildParams& p = info.param.params;
-    return info.param.structure + "_" + p.walk + (p.maxLeaf > 0 ? "_leaf" + std::to_string(p.maxLeaf) : "");
-});
+INSTANTIATE_TEST_SUITE_P(, EveryStructure, testing::ValuesIn(variants()), [](const auto& info) { return nameOf(info.param); });
 
 TEST(Triangles, AreHitAtTheirEdgesAndVertices) {
     const Soup soup{"one", {{vec3(0, 0, 1), vec3(1, 0, 1), vec3(0, 1, 1)}}};
@@ -173,6 +190,9 @@ TEST(Structures, RefuseOptionsTheyDoNotOffer) {
     EXPECT_THROW(structureType("bvh").build({}, {.build = "magic"}), Error);
     EXPECT_THROW(structureType("bvh").build({}, {.walk = "magic"}), Error);
     EXPECT_THROW(structureType("bvh").build({}, {.maxLeaf = 16}), Error);
+    EXPECT_THROW(structureType("bvh").build({}, {.bound = "blob"}), Error);
+    EXPECT_THROW(structureType("bvh").build({}, {.walk = "skip", .precision = 16}), Error);
+    EXPECT_THROW(structureType("bvh").build({}, {.bound = "sphere", .precision = 16}), Error);
     EXPECT_THROW(structureType("brute").build({}, {.walk = "skip"}), Error);
     EXPECT_THROW(structureType("magic"), Error);
 }

@@ -73,8 +73,8 @@ TEST_P(EveryDevice, WalksAsTheCpuDoes) {
     const std::vector<test::Soup> soups = test::soups();
     // Drivers that compile a kernel slowly see the other walks on every third soup, and all of them in a long run.
     const bool slow = GetParam() == "SwiftShader" && !isLong();
-    for (const std::string walk : {"octants16", "octants", "skip", "brute"})
-        for (size_t i = 0; i < soups.size(); i += slow && walk != "octants16" ? 3 : 1) {
+    for (const std::string walk : {"auto", "octants", "skip", "brute"})
+        for (size_t i = 0; i < soups.size(); i += slow && walk != "auto" ? 3 : 1) {
             const test::Soup& soup = soups[i];
             const Structure structure = walk == "brute" ? structureType("brute").build(soup.triangles, {})
                                                         : structureType("bvh").build(soup.triangles, {.walk = walk});
@@ -82,7 +82,7 @@ TEST_P(EveryDevice, WalksAsTheCpuDoes) {
             const auto device = makeDeviceTracer(*device_, structure);
             const auto cpu = makeCpuTracer(structure);
             expectSame(trace(*device, rays), trace(*cpu, rays), rays, soup.name + " " + walk);
-            if (walk == "octants16")
+            if (walk == "auto")
                 expectSame(trace(*device, rays, Query::any), trace(*cpu, rays, Query::any), rays, soup.name + " any");
         }
 }
@@ -108,7 +108,7 @@ TEST_P(EveryDevice, CountsWhatTheCpuCounts) {
     const std::vector<Triangle> triangles = test::sphere(40, 1.0, dvec3(0), 0.1);
     const std::vector<Ray> rays = test::rays(triangles, /* seed= */ 2, /* count= */ 5000);
     std::vector<Hit> hits(rays.size());
-    for (const char* walk : {"skip", "octants", "octants16"}) {
+    for (const char* walk : {"skip", "octants", "auto"}) {
         const Structure structure = structureType("bvh").build(triangles, {.walk = walk});
         const WalkCounters cpu = makeCpuTracer(structure)->trace(rays, hits, Query::closest).counters;
         const WalkCounters device =

@@ -84,6 +84,21 @@ void addStructure(CLI::App& app, Options& options) {
     app.add_option("--walk", params.walk, "how the structure is walked (default: auto, the fastest measured)")
         ->type_name("NAME");
     app.add_option("--build", params.build, "how the structure is built (default: the structure's own)")->type_name("NAME");
+    app.add_option("--bound", params.bound, "bounding volume of bvh: aabb, sphere, obb, kdop (default: aabb)")->type_name("NAME");
+    const auto parseChoice = [](const std::string& name, uint32_t& value, std::vector<uint32_t> choices) {
+        return [name, &value, choices](const std::string& text) {
+            const std::optional<uint32_t> number = numberOf<uint32_t>(text);
+            if (!number || std::find(choices.begin(), choices.end(), *number) == choices.end())
+                throw usageError("{} {}: one of {} is wanted", name, text, fmt::join(choices, ", "));
+            value = *number;
+        };
+    };
+    app.add_option_function<std::string>("--arity", parseChoice("--arity", params.arity, {2, 4, 8}),
+                                         "most children of a node of bvh: 2, 4 or 8 (default: 4)")
+        ->type_name("N");
+    app.add_option_function<std::string>("--precision", parseChoice("--precision", params.precision, {32, 16, 8}),
+                                         "bits of a plane of bvh's boxes: 32, 16 or 8 (default: as suits the scene)")
+        ->type_name("BITS");
     addWholeNumber(app, "--max-leaf", params.maxLeaf, 1, 255, "most primitives a leaf should hold, MAX_OBJ");
     addWholeNumber(app, "--max-tree-depth", params.maxTreeDepth, 1, 64, "most levels of a tree, MAX_DEPTH");
     addWholeNumber(app, "--levels", params.levels, 1, 2, "levels of a grid");

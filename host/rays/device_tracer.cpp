@@ -70,7 +70,7 @@ public:
           name_("trace_" + structure.name + (device.loadsTexel() ? "_texel" : "_storage")),
           walk_(structure.header.walk),
           counting_(counting),
-          paired_(device.info().type == DeviceType::software),
+          paired_(device.loadsTexel()),
           header_(device, sizeof(StructureHeader)),
           nodes_(device, std::as_bytes(std::span(structure.nodes))),
           triangles_(device, std::as_bytes(std::span(structure.triangles))),
@@ -206,7 +206,7 @@ private:
     std::string name_;
     uint32_t walk_;
     bool counting_;
-    bool paired_;  // two rays an invocation: a processor computes one while it waits for the other's nodes
+    bool paired_;  // two rays an invocation: llvmpipe computes one while it waits for the other
     Buffer header_;
     BigArray nodes_;
     BigArray triangles_;

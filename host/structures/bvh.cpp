@@ -2,9 +2,10 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "structures/binned_sah.hpp"
+#include "structures/bvh_builders.hpp"
 #include "structures/bvh_layout.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 namespace raig::bvh {
@@ -12,6 +13,7 @@ namespace raig::bvh {
 namespace {
 
 constexpr uint32_t defaultMaxLeaf = 4;
+constexpr uint32_t defaultArity = 4;  // as fast as 2 on lavapipe, and a fifth less memory
 constexpr uint32_t largestLeaf = 15;  // four bits of the leaf word
 constexpr uint64_t mostTriangles = 1u << 27;
 
@@ -34,11 +36,42 @@ std::vector<BoxReference> referencesOf(std::span<const Triangle> triangles) {
 }
 
 void checkParams(const BuildParams& params) {
-    refuseOtherOptions(params, "bvh", {"--build", "--walk", "--max-leaf"});
-    if (!params.build.empty() && params.build != "binned")
-        throw usageError("--build {}: no such builder of bvh; there is binned", params.build);
+    refuseOtherOptions(params, "bvh", {"--build", "--walk", "--bound", "--arity", "--precision", "--max-leaf"});
+    const auto check = [](std::string_view option, std::string_view value, std::initializer_list<std::string_view> offered) {
+        if (!value.empty() && std::find(offered.begin(), offered.end(), value) == offered.end())
+            throw usageError("{} {}: bvh offers {}", option, value, fmt::join(offered, ", "));
+    };
+    check("--build", params.build, {"binned", "sweep", "median", "lbvh", "sbvh"});
+    check("--walk", params.walk, {"auto", "octants", "skip"});
+    check("--bound", params.bound, {"aabb", "sphere", "obb", "kdop"});
     if (params.maxLeaf > largestLeaf)
         throw usageError("--max-leaf {}: a leaf of bvh holds 1 to {} triangles", params.maxLeaf, largestLeaf);
+    const bool boxes = params.bound.empty() || params.bound == "aabb";
+    if (!boxes && params.walk == "skip") throw usageError("--walk skip: only --bound aabb is walked so; leave it out");
+    if (!boxes && params.precision != 0 && params.precision != 32)
+        throw usageError("--precision {}: only --bound aabb has it; leave it out", params.precision);
+    if (params.walk == "skip" && params.precision == 16) throw usageError("--precision 16: --walk skip has 32 bits only");
+    if (params.precision == 8) throw usageError("--precision 8: bvh offers 16 and 32 bits so far");
+}
+
+/// Spatial splits may add so many references: three in ten, and what the memory budget leaves.
+uint64_t splitBudget(uint64_t references, const BuildParams& params) {
+    constexpr uint64_t bytesAReference = shared::TRIANGLE_STRIDE * sizeof(uvec4) + 8 * sizeof(uvec4);
+    const uint64_t room = params.memoryBudget / bytesAReference;
+    return std::min(references * 3 / 10, room > references ? room - references : 0);
+}
+
+BinaryTree buildTree(std::span<const Triangle> triangles, const BuildParams& params, float unit,
+                     std::vector<BoxReference> references) {
+    const uint32_t maxLeaf = params.maxLeaf == 0 ? defaultMaxLeaf : params.maxLeaf;
+    if (params.build == "median") return buildMedian(std::move(references), maxLeaf);
+    if (params.build == "lbvh") return buildMorton(std::move(references), maxLeaf);
+    if (params.build == "sweep") return buildSweepSah(std::move(references), maxLeaf, costs);
+    if (params.build == "sbvh") {
+        const uint64_t budget = splitBudget(references.size(), params);
+        return buildSpatialSplits(std::move(references), triangles, unit, maxLeaf, costs, budget);
+    }
+    return buildBinnedSah(std::move(references), maxLeaf, costs);
 }
 
 /// Depth, leaves and SAH cost of the tree.
@@ -60,8 +93,7 @@ void measure(const BinaryTree& tree, StructureStatistics& statistics) {
             ++statistics.leaves;
             statistics.references += node.count;
         } else {
-            pending.push_back({node.left, at.depth + 1});
-            pending.push_back({node.right, at.depth + 1});
+            for (const uint32_t child : tree.childrenOf(node)) pending.push_back({child, at.depth + 1});
         }
     }
     const double whole = tree.nodes.empty() ? 0.0 : tree.nodes[0].box.halfArea();
@@ -75,22 +107,25 @@ Structure build(std::span<const Triangle> triangles, const BuildParams& params) 
     if (triangles.size() > mostTriangles)
         throw limitError("bvh holds at most {} triangles; the scene has {}", mostTriangles, triangles.size());
     const auto start = std::chrono::steady_clock::now();
-    const BinaryTree tree =
-        buildBinnedSah(referencesOf(triangles), params.maxLeaf == 0 ? defaultMaxLeaf : params.maxLeaf, costs);
-
     Structure structure;
     structure.name = "bvh";
     structure.header = emptyHeader();
-    if (!tree.nodes.empty()) {
-        const Box& bounds = tree.nodes[0].box;
-        structure.header.unit = unitOf(bounds);
-        structure.header.lo = bounds.lo * structure.header.unit;
-        structure.header.hi = bounds.hi * structure.header.unit;
+    std::vector<BoxReference> references = referencesOf(triangles);
+    Box bounds;
+    for (const BoxReference& reference : references) bounds.grow(Box{reference.lo, reference.hi});
+    const float unit = unitOf(bounds);
+    if (!references.empty()) {
+        structure.header.unit = unit;
+        structure.header.lo = bounds.lo * unit;
+        structure.header.hi = bounds.hi * unit;
     }
+    BinaryTree tree = buildTree(triangles, params, unit, std::move(references));
+    const uint32_t arity = params.arity == 0 ? defaultArity : params.arity;
+    if (arity > 2) widen(tree, arity);
     measure(tree, structure.statistics);
     structure.header.nodeCount = static_cast<uint32_t>(structure.statistics.nodes);
     structure.header.triangleCount = static_cast<uint32_t>(tree.references.size());
-    layOut(tree, params.walk, structure);
+    layOut(tree, triangles, params, structure);
 
     structure.triangles.resize(tree.references.size() * shared::TRIANGLE_STRIDE);
     parallelFor(tree.references.size(), 4096, [&](size_t begin, size_t end) {

@@ -3,72 +3,110 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
+
 namespace raig::bvh {
 
 namespace {
 
-bool contains(const LaidNode& outer, const dvec3& lo, const dvec3& hi) {
+/// Where parts of triangles that are cut lie: the leaf boxes with each, by id.
+using Parts = std::map<uint32_t, std::vector<LaidNode::Extent>>;
+
+bool contains(const LaidNode::Extent& outer, const dvec3& lo, const dvec3& hi) {
     return glm::all(glm::lessThanEqual(outer.lo, lo)) && glm::all(glm::lessThanEqual(hi, outer.hi));
 }
 
 /// Checks one copy of the tree; counts in `seen` how often each reference is in a leaf.
 class CopyChecker {
 public:
-    CopyChecker(const Structure& structure, uint32_t octant, std::vector<uint8_t>& seen)
-        : structure_(structure), octant_(octant), seen_(seen) {}
+    CopyChecker(const Structure& structure, uint32_t octant, std::vector<uint8_t>& seen, Parts& parts)
+        : structure_(structure), octant_(octant), seen_(seen), parts_(parts),
+          boxes_(structure.header.walk <= shared::WALK_OCTANTS16) {}
 
     std::optional<std::string> findFault() {
-        // The inner nodes that the present one lies in, each ending where its skip link points.
-        struct Open {
-            LaidNode node;
-            uint32_t end;
-        };
-        std::vector<Open> open;
         const uint32_t count = structure_.header.nodeCount;
         for (uint32_t i = 0; i < count; ++i) {
-            while (!open.empty() && open.back().end == i) open.pop_back();
-            const LaidNode node = laidNode(structure_, octant_, i);
-            if (!open.empty() && !contains(open.back().node, node.lo, node.hi))
+            while (!open_.empty() && open_.back().end == i) open_.pop_back();
+            const LaidNode node(structure_, octant_, i);
+            if (boxes_ && !open_.empty() && !contains(open_.back().node.extent(), node.extent().lo, node.extent().hi))
                 return at(i, "its box sticks out of its parent's");
-            if ((node.word & leafBit) != 0) {
+            if ((node.word() & leafBit) != 0) {
                 if (auto fault = findLeafFault(i, node)) return fault;
                 continue;
             }
-            const uint32_t limit = open.empty() ? count : open.back().end;
-            if (node.word <= i + 2 || node.word > limit) return at(i, "its skip link leaves its parent or does not advance");
-            open.push_back({node, node.word});
+            const uint32_t limit = open_.empty() ? count : open_.back().end;
+            if (node.word() <= i + 2 || node.word() > limit) return at(i, "its skip link leaves its parent or does not advance");
+            open_.push_back({node, node.word()});
         }
         return std::nullopt;
     }
 
 private:
+    /// An inner node that the present one lies in, ending where its skip link points.
+    struct Open {
+        LaidNode node;
+        uint32_t end;
+    };
+
     std::string at(uint32_t index, std::string_view what) const {
         return fmt::format("node {} of copy {}: {}", index, octant_, what);
     }
 
     std::optional<std::string> findLeafFault(uint32_t index, const LaidNode& node) {
-        const uint32_t first = (node.word & ~leafBit) >> 4, count = node.word & 15;
+        const uint32_t first = (node.word() & ~leafBit) >> 4, count = node.word() & 15;
         if (count == 0) return at(index, "an empty leaf");
         if (first + count > structure_.header.triangleCount) return at(index, "its triangles are out of range");
         for (uint32_t i = first; i < first + count; ++i) {
             if (++seen_[i] != 1) return at(index, "its triangles are in another leaf, too");
-            const Box box = referencedTriangle(structure_, i).box();
-            if (!contains(node, dvec3(box.lo), dvec3(box.hi))) return at(index, "a triangle sticks out of its box");
+            const Triangle triangle = referencedTriangle(structure_, i);
+            if (boxes_) {
+                const Box box = triangle.box();
+                if (!contains(node.extent(), dvec3(box.lo), dvec3(box.hi)))
+                    parts_[referencedId(structure_, i)].push_back(node.extent());
+                continue;
+            }
+            if (!holds(node, triangle)) return at(index, "a triangle sticks out of its bound");
+            for (const Open& outer : open_)
+                if (!holds(outer.node, triangle)) return at(index, "a triangle sticks out of the bound of a node above");
         }
         return std::nullopt;
     }
 
+    static bool holds(const LaidNode& node, const Triangle& t) { return node.holds(t.a) && node.holds(t.b) && node.holds(t.c); }
+
     const Structure& structure_;
     uint32_t octant_;
     std::vector<uint8_t>& seen_;
+    Parts& parts_;
+    bool boxes_;
+    std::vector<Open> open_;
 };
+
+/// Triangles that no leaf's box holds as a whole must lie in their leaves' boxes together: looked at in places spread over them.
+std::optional<std::string> findUncovered(const Parts& parts, std::span<const Triangle> triangles, float unit) {
+    constexpr int steps = 8;
+    for (const auto& [id, boxes] : parts) {
+        const Triangle& t = triangles[id];
+        const dvec3 a(t.a * unit), b(t.b * unit), c(t.c * unit);
+        for (int i = 0; i <= steps; ++i)
+            for (int j = 0; i + j <= steps; ++j) {
+                // Not one of the corners' own roundings matters: boxes are rounded outwards by more.
+                const dvec3 p = a + (b - a) * (i / double{steps}) + (c - a) * (j / double{steps}), slack(0x1p-40);
+                const auto holds = [&](const LaidNode::Extent& box) { return contains({box.lo - slack, box.hi + slack}, p, p); };
+                if (std::none_of(boxes.begin(), boxes.end(), holds))
+                    return fmt::format("triangle {} sticks out of the boxes of its leaves", id);
+            }
+    }
+    return std::nullopt;
+}
 
 std::optional<std::string> findReferenceFault(const Structure& structure, std::span<const Triangle> triangles) {
     std::vector<uint8_t> referenced(triangles.size());
     for (uint32_t i = 0; i < structure.header.triangleCount; ++i) {
         const uint32_t id = referencedId(structure, i);
         if (id >= triangles.size()) return fmt::format("reference {} names a triangle that is not there", i);
-        if (++referenced[id] != 1) return fmt::format("triangle {} is referenced twice", id);
+        referenced[id] = 1;
         if (!refersTo(structure, i, triangles[id]))
             return fmt::format("reference {} has other corners than triangle {}", i, id);
     }
@@ -83,12 +121,13 @@ std::optional<std::string> findFault(const Structure& structure, std::span<const
     const StructureHeader& header = structure.header;
     if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
         return "triangle count and array differ";
-    const size_t texels = header.walk == shared::WALK_OCTANTS16 ? 1 : 2;
-    if (structure.nodes.size() != copies(structure) * nodesACopy(header) * texels) return "node count and array differ";
+    if (structure.nodes.size() != copies(structure) * nodesACopy(header) * nodeTexels(header)) return "node count and array differ";
     if (auto fault = findReferenceFault(structure, triangles)) return fault;
     for (uint32_t octant = 0; octant < copies(structure); ++octant) {
         std::vector<uint8_t> seen(header.triangleCount);
-        if (auto fault = CopyChecker(structure, octant, seen).findFault()) return fault;
+        Parts parts;
+        if (auto fault = CopyChecker(structure, octant, seen, parts).findFault()) return fault;
+        if (auto fault = findUncovered(parts, triangles, header.unit)) return fault;
         for (uint32_t i = 0; i < header.triangleCount; ++i)
             if (seen[i] == 0) return fmt::format("reference {} is in no leaf of copy {}", i, octant);
     }

@@ -1,24 +1,45 @@
-/// How a binary tree lies in memory for each of the walks of bvh (see structures/bvh.hpp).
+/// How a tree lies in memory for each of the walks of bvh (see structures/bvh.hpp).
 #pragma once
 
-#include "structures/binned_sah.hpp"
+#include "structures/bvh_builders.hpp"
 #include "structures/structure.hpp"
 
 namespace raig::bvh {
 
-/// Fills in structure.nodes, walk, header.walk and the grid of header, for walk "skip", "octants", "octants16" or "auto".
-/// Requires header.lo, hi and nodeCount. Throws usageError for another name. O(nodes), the octants in parallel.
-void layOut(const BinaryTree& tree, std::string_view walk, Structure& structure);
+/// Fills in structure.nodes, walk, header.walk and the grid of header, as `params` asks for; a remark where the memory budget
+/// allows one copy of the tree only. Requires header.lo, hi and nodeCount, and options that bvh offers.
+/// Throws limitError if the nodes and references exceed the budget all the same.
+/// O(nodes), the octants in parallel; other bounds than boxes take O(depth) looks at each triangle.
+void layOut(const BinaryTree& tree, std::span<const Triangle> triangles, const BuildParams& params, Structure& structure);
 
-/// One node, read back: its box in the structure's unit (of quantised planes: what they stand for, in double) and its word.
-struct LaidNode {
-    dvec3 lo, hi;
-    uint32_t word;
+/// One node as it lies in memory, read back. Must not outlive the structure.
+class LaidNode {
+public:
+    LaidNode(const Structure& structure, uint32_t octant, uint32_t index);
+
+    uint32_t word() const;
+    /// True if the bound holds the point, in the structure's unit, exactly (other bounds than boxes: in double).
+    bool holds(const vec3& absolute) const;
+    struct Extent {
+        dvec3 lo, hi;
+    };
+    /// The box, exactly. Requires a walk whose bounds are boxes.
+    Extent extent() const;
+
+private:
+    const StructureHeader& header_;
+    uint32_t octant_;
+    const uvec4* texels_;
 };
-LaidNode laidNode(const Structure& structure, uint32_t octant, uint32_t index);
 
 /// The number of copies of the tree: 1 or 8.
 uint32_t copies(const Structure& structure);
+
+/// Of a node: 1, 2 or 4, by header.walk.
+uint32_t nodeTexels(const StructureHeader& header);
+
+/// Bytes of the references as walks read them.
+uint64_t referenceBytes(const BinaryTree& tree);
 
 /// Nodes of each copy with those at its end that stop a walk.
 inline size_t nodesACopy(const StructureHeader& header) {

@@ -51,6 +51,8 @@ const StructureType& structureType(std::string_view name) {
 void refuseOtherOptions(const BuildParams& params, std::string_view structure, std::initializer_list<std::string_view> offered) {
     const std::pair<std::string_view, bool> given[] = {
         {"--build", !params.build.empty()},          {"--walk", params.walk != "auto"},
+        {"--bound", !params.bound.empty()},          {"--arity", params.arity != 0},
+        {"--precision", params.precision != 0},
         {"--max-leaf", params.maxLeaf != 0},         {"--max-tree-depth", params.maxTreeDepth != 0},
         {"--grid-density", params.gridDensity != 0}, {"--levels", params.levels != 0},
     };

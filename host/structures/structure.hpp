@@ -41,8 +41,11 @@ struct Triangle {
 
 /// Options of all builders, each with the builders that read it. Names are as on the command line.
 struct BuildParams {
-    std::string build = "";     ///< bvh: "binned". Empty: the structure's default
-    std::string walk = "auto";  ///< bvh: "skip", "octants", "octants16", or "auto"
+    std::string build = "";     ///< bvh: median, binned, sweep, sbvh, lbvh; kdtree: median, sah. Empty: the structure's default
+    std::string walk = "auto";  ///< bvh: skip, octants, or trail. Or auto
+    std::string bound = "";     ///< bvh: aabb, sphere, obb, kdop. Empty: aabb
+    uint32_t arity = 0;         ///< bvh: most children of a node, 2, 4 or 8; 0: the default
+    uint32_t precision = 0;     ///< bvh: bits of a box's plane, 32, 16 or 8; 0: as suits the scene
     uint32_t maxLeaf = 0;       ///< most triangles in a leaf (MAX_OBJ); 0: the structure's default
     uint32_t maxTreeDepth = 0;  ///< levels of a tree (MAX_DEPTH); 0: the structure's default
     float gridDensity = 0.0f;   ///< cells a triangle; 0: the structure's default
@@ -73,6 +76,7 @@ struct Structure {
     std::vector<uvec4> nodes;
     std::vector<uvec4> triangles;  ///< three a reference (shaders/shared/structure.glsl)
     StructureStatistics statistics;
+    std::vector<std::string> remarks;  ///< what a person should know, such as that the memory budget stopped the builder
 
     /// Marks the references to triangles i with seeThrough[i] != 0 as no obstacle to shadow rays.
     /// Requires a flag for each triangle that the structure was built over.

@@ -1,16 +1,16 @@
-// Finds the closest triangle that `ray` hits, walking a depth-first BVH without a stack.
+// Finds the closest triangle that `ray` hits, walking a depth-first BVH of any arity without a stack.
 //
 // A node's word w is a skip link, the node to go to when the ray misses it; or, with the top bit set, a leaf: the number of
 // its first triangle << 4 | how many. A leaf's next node is the one after it, and so is an inner node's first child. The
-// walks differ in how many trees there are and how planes are stored (WALK_* in shared/structure.glsl): one for each octant
-// of directions has the nearer child first in each, and its boxes stored as (near plane, far plane).
+// walks differ in how many trees there are and what bounds a node (WALK_* in shared/structure.glsl): one for each octant
+// of directions has the nearer child first in each, and boxes stored as (near plane, far plane).
 //
 // Requires  nodes[] and triangles[] as built by host/structures/bvh.cpp for header.walk.
 // Ensures   as every walk (shaders/trace.glsl).
 // Cost      at.x only grows, so a node is visited at most once; no stack, no shared memory. One step tests up to six nodes
 //           for the rays that hold no leaf, then one triangle for those that do: wide devices run both sides of a branch.
 // Source    Smits 1998, "Efficiency Issues for Ray Tracing" (skip links); a tree an octant: Torres et al. 2009, "Ray Casting
-//           using a Roped BVH with CUDA".
+//           using a Roped BVH with CUDA"; slabs: Kay and Kajiya 1986, "Ray Tracing Complex Scenes".
 
 #define WALKS_IN_PAIRS
 
@@ -22,7 +22,22 @@ struct NodeSpace {
     vec3 enterBase;
     vec3 leaveBase;
     uint first;     // of the ray's tree
+
+    // For bounds other than boxes. Places are wrong by less than margin: 256 u M, for the hit's slack along an axis that lies
+    // across the coordinates' (64 u M times 1.8), and for the sums of three products here (at most 20 u M, along rays too).
+    float margin;
+    vec3 from;          // the origin, as seen from the scene's lower corner, as such bounds are
+    vec3 along;         // the direction
+    float perSquare;    // 1 / its square
+    float perLength;    // 1 / its length
+    vec3 diagonal;      // of slabs along (1, 1, 1), (-1, 1, 1), (1, -1, 1): dot with the origin; and the inverse of that with
+    float lastDiagonal; // the direction; the fourth, along (1, 1, -1)
+    vec3 perDiagonal;
+    float perLastDiagonal;
 };
+
+vec3 diagonalsOf(vec3 v) { return vec3(v.x + v.y + v.z, v.y - v.x + v.z, v.x - v.y + v.z); }
+float lastDiagonalOf(vec3 v) { return v.x + v.y - v.z; }
 
 NodeSpace prepareNodes(WalkRay ray) {
     NodeSpace s;
@@ -33,7 +48,64 @@ NodeSpace prepareNodes(WalkRay ray) {
     vec3 base = (header.gridOrigin - ray.origin) * ray.inverse;
     s.enterBase = base - reach;
     s.leaveBase = base + reach;
+    if (WALK == WALK_SPHERES || WALK == WALK_OBBS || WALK == WALK_KDOPS) {
+        s.margin = ray.tolerance * 16.0f;
+        s.from = ray.origin - header.gridOrigin;
+        s.along = ray.direction;
+        s.perSquare = 1.0f / dot(s.along, s.along);
+        s.perLength = sqrt(s.perSquare);
+        s.diagonal = diagonalsOf(s.from);
+        s.lastDiagonal = lastDiagonalOf(s.from);
+        vec3 d = diagonalsOf(s.along);
+        s.perDiagonal = vec3(1.0f / steep(d.x, 1.0f), 1.0f / steep(d.y, 1.0f), 1.0f / steep(d.z, 1.0f));
+        s.perLastDiagonal = 1.0f / steep(lastDiagonalOf(s.along), 1.0f);
+    }
     return s;
+}
+
+vec3 floatsOf(uvec4 t) { return vec3(uintBitsToFloat(t.x), uintBitsToFloat(t.y), uintBitsToFloat(t.z)); }
+
+// Distances at which the ray is in slabs [lo, hi] along three directions: `from` and `per` are as for axes, but widened by
+// `margin`. `span` is narrowed.
+void cutSlabs(vec3 lo, vec3 hi, vec3 from, vec3 per, float margin, INOUT(vec2) span) {
+    vec3 first = (lo - margin - from) * per;
+    vec3 second = (hi + margin - from) * per;
+    span.x = greater(span.x, greater(lesser(first.x, second.x), greater(lesser(first.y, second.y), lesser(first.z, second.z))));
+    span.y = lesser(span.y, lesser(greater(first.x, second.x), lesser(greater(first.y, second.y), greater(first.z, second.z))));
+}
+
+// A sphere about `centre`: where the ray passes it no farther off than `radius` and the margin, within that of its nearest point.
+bool hitsSphere(WalkRay ray, NodeSpace space, vec3 centre, float radius, float tMax) {
+    vec3 toCentre = centre - space.from;
+    float nearest = dot(toCentre, space.along) * space.perSquare;
+    vec3 off = toCentre - nearest * space.along;
+    float wide = radius + space.margin;
+    float rest = wide * wide - dot(off, off);
+    // In a square root's steep end, rounding is made up for by what it can at most be.
+    float half_ = sqrt(abs(rest) + wide * wide * 4.76837158e-7f) * space.perLength + space.margin * space.perLength;
+    return radius >= 0.0f && rest >= 0.0f && nearest - half_ <= tMax && nearest + half_ >= ray.tMin;
+}
+
+bool hitsOrientedBox(WalkRay ray, NodeSpace space, uvec4 n0, uvec4 n1, uvec4 n2, uvec4 n3, float tMax) {
+    vec3 x = floatsOf(n0);
+    vec3 y = floatsOf(n1);
+    vec3 z = floatsOf(n2);
+    vec3 hi = vec3(uintBitsToFloat(n1.w), uintBitsToFloat(n2.w), uintBitsToFloat(n3.w));
+    vec3 from = vec3(dot(x, space.from), dot(y, space.from), dot(z, space.from));
+    vec3 per = vec3(1.0f / steep(dot(x, space.along), 1.0f), 1.0f / steep(dot(y, space.along), 1.0f),
+                    1.0f / steep(dot(z, space.along), 1.0f));
+    vec2 span = vec2(ray.tMin, tMax);
+    cutSlabs(floatsOf(n3), hi, from, per, space.margin, span);
+    return span.x <= span.y;
+}
+
+bool hitsKdop(WalkRay ray, NodeSpace space, uvec4 n0, uvec4 n1, uvec4 n2, uvec4 n3, float tMax) {
+    vec2 span = vec2(ray.tMin, tMax);
+    cutSlabs(floatsOf(n0), floatsOf(n1), space.from, ray.inverse, space.margin, span);
+    cutSlabs(floatsOf(n2), floatsOf(n3), space.diagonal, space.perDiagonal, space.margin, span);
+    float first = (uintBitsToFloat(n2.w) - space.margin - space.lastDiagonal) * space.perLastDiagonal;
+    float second = (uintBitsToFloat(n3.w) + space.margin - space.lastDiagonal) * space.perLastDiagonal;
+    return greater(span.x, lesser(first, second)) <= lesser(span.y, greater(first, second));
 }
 
 // What the last test of a node came to.
@@ -55,11 +127,22 @@ bool hitsNode(WalkRay ray, NodeSpace space, uint at, float tMax, INOUT(uint) wor
         float last = minOf(minOf(leave.x, leave.y), minOf(leave.z, tMax));
         return first <= last;
     }
+    if (WALK == WALK_OBBS || WALK == WALK_KDOPS) {
+        uint place = (space.first + at) * 4u;
+        uvec4 n0 = nodes_at(place);
+        uvec4 n1 = nodes_at(place + 1u);
+        uvec4 n2 = nodes_at(place + 2u);
+        uvec4 n3 = nodes_at(place + 3u);
+        word = n0.w;
+        if (WALK == WALK_OBBS) return hitsOrientedBox(ray, space, n0, n1, n2, n3, tMax);
+        return hitsKdop(ray, space, n0, n1, n2, n3, tMax);
+    }
     uvec4 low = nodes_at((space.first + at) * 2u);
     uvec4 high = nodes_at((space.first + at) * 2u + 1u);
     word = low.w;
-    vec3 near = vec3(uintBitsToFloat(low.x), uintBitsToFloat(low.y), uintBitsToFloat(low.z));
-    vec3 far = vec3(uintBitsToFloat(high.x), uintBitsToFloat(high.y), uintBitsToFloat(high.z));
+    vec3 near = floatsOf(low);
+    vec3 far = floatsOf(high);
+    if (WALK == WALK_SPHERES) return hitsSphere(ray, space, near, far.x, tMax);
     if (WALK == WALK_SKIP) {
         vec3 lo = near;
         vec3 hi = far;
