@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <optional>
 
 namespace raig {
 
@@ -16,9 +17,11 @@ namespace {
 constexpr uint32_t workgroupSize = 256;
 constexpr uint32_t mostRaysAtOnce = 1u << 20;  // of trace(): 48 MiB of rays and hits
 
-// Loop iterations of a walk in one dispatch: bounds its time, and stays below the 65,535 after which Mesa 22.3's llvmpipe
-// silently stops looping.
-constexpr uint32_t maxSteps = 16384;
+// Loop iterations of a walk in one dispatch. What is not done after the first is taken up again; at most `mostSteps` stays
+// below the 65,535 after which Mesa 22.3's llvmpipe silently stops looping.
+constexpr uint32_t wholeSteps = 512;  // few walks are longer, and then a few long ones would keep many short ones waiting
+constexpr uint32_t firstSteps = 64;
+constexpr uint32_t mostSteps = 16384;
 
 /// Push constants of shaders/trace.comp.in.
 struct Push {
@@ -46,21 +49,45 @@ uint64_t joined(const std::array<uint32_t, 2>& halves) {
     return halves[0] | uint64_t{halves[1]} << 32;
 }
 
-/// How many rays to dispatch at once, so that a dispatch takes about as long as it should.
+/// How much one kernel should do in a dispatch, so that it takes about as long as it should; in loop iterations, if all rays
+/// made as many as they may. Starts with little, as nothing is known of device and structure, and learns from what
+/// dispatches took. Most rays end early, so the next may take longer than the last: the most is what a CPU can loop in 2 s.
 class DispatchSize {
 public:
-    explicit DispatchSize(const DeviceInfo& info) : target_(info.type == DeviceType::software ? 0.5 : 0.02) {}
+    explicit DispatchSize(const DeviceInfo& device) : DispatchSize(device.type == DeviceType::software) {}
 
-    uint32_t rays() const { return rays_; }
-    void learn(uint32_t rays, double seconds) {
-        if (rays < rays_ / 2 || seconds <= 0.0) return;  // a remainder tells little
-        const double wanted = std::clamp(rays * target_ / seconds, rays_ * 0.25, rays_ * 4.0);
-        rays_ = static_cast<uint32_t>(std::clamp(wanted, 4096.0, 4.0 * mostRaysAtOnce));
+    /// Rays for a dispatch of `steps`; whole workgroups.
+    uint32_t rays(uint32_t steps) const {
+        return std::max(static_cast<uint32_t>(work_ / steps) / workgroupSize, 1u) * workgroupSize;
+    }
+    /// Steps for a dispatch of `rays`.
+    uint32_t steps(uint32_t rays) const { return static_cast<uint32_t>(std::clamp<double>(work_ / rays, 16, mostSteps)); }
+
+    void learn(double work, double seconds) {
+        if (work < 0.5 * work_ && seconds < target_) return;  // a remainder tells little
+        work_ = std::clamp(work * std::clamp(target_ / seconds, 0.0625, 8.0), 0x1p12, most_);
     }
 
 private:
+    explicit DispatchSize(bool software)
+        : target_(software ? 0.25 : 0.02), most_(software ? 0x1p24 : 0x1p31), work_(software ? 0x1p18 : 0x1p22) {}
+
     double target_;  // seconds
-    uint32_t rays_ = 1u << 16;
+    double most_;
+    double work_;
+};
+
+struct SizedKernel {
+    Kernel kernel;
+    DispatchSize size;
+    uint32_t raysAGroup;
+};
+
+/// The kernels of one kind of query. Walks in one go, or in pieces: the first, and those after it.
+enum class Stage : uint32_t { whole, beginning, resuming };
+struct Stages {
+    std::array<std::optional<SizedKernel>, 3> kernels;
+    bool pausing = false;  // a walk was longer than a dispatch
 };
 
 class VulkanTracer : public DeviceTracer {
@@ -77,8 +104,7 @@ public:
           counts_(device, sizeof(Counts)),
           paused_(device, sizeof(Pause)),
           unfinished_(device, sizeof(Pause)),
-          commands_(device),
-          size_(device.info()) {
+          commands_(device) {
         header_.uploadValues(std::span(&structure.header, 1));
     }
 
@@ -116,29 +142,38 @@ private:
     }
 
     void run(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows, TraceReport& report) {
+        Stages& stages = stagesOf(query, shadows);
         for (uint32_t first = 0; first < count;) {
-            const uint32_t some = std::min(size_.rays(), count - first);
-            if (!pausing_) {
-                Kernel& whole = kernelFor(query, shadows, Stage::whole);
-                bind(whole, rays, hits);
+            if (!stages.pausing) {
+                SizedKernel& whole = kernelFor(query, shadows, Stage::whole);
+                const uint32_t some = std::min(whole.size.rays(wholeSteps), count - first);
+                bind(whole.kernel, rays, hits);
                 // Saving state costs every ray; so it is done only once a structure has shown that it needs it.
-                pausing_ = dispatch(whole, {first, some, maxSteps}, paired_ ? 2 * workgroupSize : workgroupSize, report) > 0;
+                const WalkCounters before = report.counters;
+                stages.pausing = dispatch(whole, {first, some, wholeSteps}, report) > 0;
+                if (stages.pausing)
+                    report.counters = before;
+                else
+                    first += some;
+            } else {
+                SizedKernel& beginning = kernelFor(query, shadows, Stage::beginning);
+                SizedKernel& resuming = kernelFor(query, shadows, Stage::resuming);
+                const uint32_t some = std::min(beginning.size.rays(firstSteps), count - first);
+                traceInPieces(beginning, resuming, rays, hits, {first, some, firstSteps}, report);
+                first += some;
             }
-            if (pausing_) traceInPieces(rays, hits, {first, some, maxSteps}, query, shadows, report);
-            first += some;
         }
     }
 
-    void traceInPieces(Buffer& rays, Buffer& hits, const Push& push, Query query, bool shadows, TraceReport& report) {
+    void traceInPieces(SizedKernel& beginning, SizedKernel& resuming, Buffer& rays, Buffer& hits, const Push& push,
+                       TraceReport& report) {
         makePauses(push.count);
-        Kernel& beginning = kernelFor(query, shadows, Stage::beginning);
-        Kernel& resuming = kernelFor(query, shadows, Stage::resuming);
-        bind(beginning, rays, hits);
-        uint32_t unfinished = dispatch(beginning, push, workgroupSize, report);
+        bind(beginning.kernel, rays, hits);
+        uint32_t unfinished = dispatch(beginning, push, report);
         while (unfinished > 0) {
             std::swap(paused_, unfinished_);
-            bind(resuming, rays, hits);
-            unfinished = dispatch(resuming, {0, unfinished, maxSteps}, workgroupSize, report);
+            bind(resuming.kernel, rays, hits);
+            unfinished = dispatch(resuming, {0, unfinished, resuming.size.steps(unfinished)}, report);
         }
     }
 
@@ -154,11 +189,11 @@ private:
     }
 
     /// Returns how many walks are not finished.
-    uint32_t dispatch(Kernel& kernel, const Push& push, uint32_t raysAGroup, TraceReport& report) {
+    uint32_t dispatch(SizedKernel& sized, const Push& push, TraceReport& report) {
         commands_.fill(counts_, 0);
-        commands_.dispatch(kernel, {(push.count + raysAGroup - 1) / raysAGroup}, push);
+        commands_.dispatch(sized.kernel, {(push.count + sized.raysAGroup - 1) / sized.raysAGroup}, push);
         const RunReport ran = commands_.run();
-        size_.learn(push.count, ran.seconds);
+        sized.size.learn(double(push.count) * push.maxSteps, ran.seconds);
         Counts counts;
         counts_.download(std::as_writable_bytes(std::span(&counts, 1)));
         report.seconds += ran.seconds;
@@ -168,14 +203,12 @@ private:
         return counts.unfinished;
     }
 
-    /// Walks in one go, or in pieces: the first, and those after it.
-    enum class Stage : uint32_t { whole, beginning, resuming };
-
-    Kernel& kernelFor(Query query, bool shadows, Stage stage) {
-        std::unique_ptr<Kernel>& kernel = kernels_[shadows ? 2 : query == Query::any ? 1 : 0][static_cast<uint32_t>(stage)];
-        if (!kernel) {
+    SizedKernel& kernelFor(Query query, bool shadows, Stage stage) {
+        std::optional<SizedKernel>& sized = stagesOf(query, shadows).kernels[static_cast<uint32_t>(stage)];
+        if (!sized) {
             const auto spirv = findKernel(name_);
             RAIG_CHECK(spirv.has_value());
+            const bool paired = stage == Stage::whole && paired_;
             const Constants constants = {
                 {0, workgroupSize},
                 {1, /* ANY_HIT */ query == Query::any || shadows},
@@ -188,12 +221,15 @@ private:
                 {8, triangles_.chunkShift()},
                 {9, /* PAUSING */ stage != Stage::whole},
                 {10, /* RESUMING */ stage == Stage::resuming},
-                {11, /* PAIRED */ stage == Stage::whole && paired_},
+                {11, /* PAIRED */ paired},
             };
-            kernel = std::make_unique<Kernel>(device_, name_, *spirv, constants);
+            sized.emplace(Kernel(device_, name_, *spirv, constants), DispatchSize(device_.info()),
+                          paired ? 2 * workgroupSize : workgroupSize);
         }
-        return *kernel;
+        return *sized;
     }
+
+    Stages& stagesOf(Query query, bool shadows) { return stages_[shadows ? 2 : query == Query::any ? 1 : 0]; }
 
     void makePauses(uint32_t count) {
         const uint64_t bytes = uint64_t{count} * sizeof(Pause);
@@ -214,9 +250,7 @@ private:
     Buffer paused_;
     Buffer unfinished_;
     Commands commands_;
-    DispatchSize size_;
-    bool pausing_ = false;                                           // a walk was longer than a dispatch
-    std::array<std::array<std::unique_ptr<Kernel>, 3>, 3> kernels_;  // closest, any, shadows; each in all stages
+    std::array<Stages, 3> stages_;  // closest, any, shadows
 };
 
 }  // namespace
