@@ -54,7 +54,8 @@ uint64_t joined(const std::array<uint32_t, 2>& halves) {
 /// dispatches took. Most rays end early, so the next may take longer than the last: the most is what a CPU can loop in 2 s.
 class DispatchSize {
 public:
-    explicit DispatchSize(const DeviceInfo& device) : DispatchSize(device.type == DeviceType::software) {}
+    explicit DispatchSize(const DeviceInfo& device)
+        : DispatchSize(device.type == DeviceType::software, device.prefersTexel) {}
 
     /// Rays for a dispatch of `steps`; whole workgroups.
     uint32_t rays(uint32_t steps) const {
@@ -69,8 +70,9 @@ public:
     }
 
 private:
-    explicit DispatchSize(bool software)
-        : target_(software ? 0.25 : 0.02), most_(software ? 0x1p24 : 0x1p31), work_(software ? 0x1p18 : 0x1p22) {}
+    DispatchSize(bool software, bool llvmpipe)
+        : target_(software ? 0.25 : 0.02), most_(llvmpipe ? 0x1p26 : software ? 0x1p24 : 0x1p31),
+          work_(software ? 0x1p18 : 0x1p22) {}
 
     double target_;  // seconds
     double most_;
