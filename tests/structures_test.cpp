@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cstring>
 
 namespace raig {
@@ -23,9 +24,11 @@ struct Variant {
 std::string nameOf(const Variant& v) {
     const BuildParams& p = v.params;
     std::string name = v.structure + "_" + p.walk;
+    std::replace(name.begin(), name.end(), '-', '_');
     if (!p.build.empty()) name += "_" + p.build;
     if (!p.bound.empty()) name += "_" + p.bound;
     if (p.arity > 0) name += "_arity" + std::to_string(p.arity);
+    if (p.maxTreeDepth > 0) name += "_depth" + std::to_string(p.maxTreeDepth);
     if (p.precision > 0) name += "_" + std::to_string(p.precision) + "bit";
     if (p.maxLeaf > 0) name += "_leaf" + std::to_string(p.maxLeaf);
     return name;
@@ -47,6 +50,9 @@ std::vector<Variant> variants() {
         for (const uint32_t arity : {2, 4, 8}) result.push_back({"bvh", {.bound = bound, .arity = arity}});
     result.push_back({"bvh", {.build = "sbvh", .walk = "skip", .arity = 8}});
     result.push_back({"bvh", {.build = "sbvh", .bound = "obb", .arity = 4}});
+    result.push_back({"kdtree", {.walk = "restart"}});
+    result.push_back({"kdtree", {.build = "median"}});
+    result.push_back({"kdtree", {.walk = "restart", .maxLeaf = 30, .maxTreeDepth = 5}});
     return result;
 }
 

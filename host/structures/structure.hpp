@@ -42,7 +42,7 @@ struct Triangle {
 /// Options of all builders, each with the builders that read it. Names are as on the command line.
 struct BuildParams {
     std::string build = "";     ///< bvh: median, binned, sweep, sbvh, lbvh; kdtree: median, sah. Empty: the structure's default
-    std::string walk = "auto";  ///< bvh: skip, octants, or trail. Or auto
+    std::string walk = "auto";  ///< bvh: skip, octants; kdtree: short-stack, restart. Or auto
     std::string bound = "";     ///< bvh: aabb, sphere, obb, kdop. Empty: aabb
     uint32_t arity = 0;         ///< bvh: most children of a node, 2, 4 or 8; 0: the default
     uint32_t precision = 0;     ///< bvh: bits of a box's plane, 32, 16 or 8; 0: as suits the scene

@@ -31,4 +31,8 @@ const uint MOST_WALKS = 6u;      // more than any structure's walks are numbered
 // How many nodes end each copy of the tree: as many as a walk takes steps before it looks, and one.
 const uint BVH_END_NODES = 7u;
 
+// Walks of kdtree.
+const uint WALK_RESTART = 0u;      // no stack
+const uint WALK_SHORT_STACK = 1u;  // one of two entries
+
 #endif
