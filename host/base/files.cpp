@@ -1,9 +1,9 @@
 #include "base/files.hpp"
 
 #include "base/error.hpp"
+#include "base/input_file.hpp"
 
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -28,26 +28,19 @@ struct Descriptor {
 }  // namespace
 
 std::vector<std::byte> readFile(const std::filesystem::path& path, size_t maxBytes) {
-    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-    struct stat status {};
-    if (file.fd < 0 || ::fstat(file.fd, &status) != 0) throw inputError(path, "cannot be opened: {}", std::strerror(errno));
-    if (!S_ISREG(status.st_mode)) throw inputError(path, "is not a regular file");
-    const auto size = static_cast<size_t>(status.st_size);
-    if (size > maxBytes)
-        throw limitError("{}: holds {} bytes, more than the {} that can be read", path.string(), size, maxBytes);
-
-    std::vector<std::byte> bytes(size);
-    for (size_t done = 0; done < size;) {
-        const ssize_t got = ::read(file.fd, bytes.data() + done, size - done);
-        if (got < 0 && errno == EINTR) continue;
-        if (got < 0) throw inputError(path, "cannot be read: {}", std::strerror(errno));
-        if (got == 0) throw inputError(path, "became shorter while it was read");
-        done += static_cast<size_t>(got);
-    }
+    InputFile file(path);
+    if (file.size() > maxBytes)
+        throw limitError("{}: holds {} bytes, more than the {} that can be read", path.string(), file.size(), maxBytes);
+    std::vector<std::byte> bytes(file.size());
+    file.read(bytes);
     return bytes;
 }
 
 void writeFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+    writeFileAtomically(path, std::span(&bytes, 1));
+}
+
+void writeFileAtomically(const std::filesystem::path& path, std::span<const std::span<const std::byte>> pieces) {
     std::error_code none;
     const auto kind = std::filesystem::status(path, none).type();
     const bool replace = kind == std::filesystem::file_type::regular || kind == std::filesystem::file_type::directory ||
@@ -66,12 +59,13 @@ void writeFileAtomically(const std::filesystem::path& path, std::span<const std:
         const int create = replace ? O_CREAT | O_TRUNC : 0;
         Descriptor file(::open(written.c_str(), O_WRONLY | O_CLOEXEC | create, 0666));
         if (file.fd < 0) throw fail("written");
-        for (size_t done = 0; done < bytes.size();) {
-            const ssize_t put = ::write(file.fd, bytes.data() + done, bytes.size() - done);
-            if (put < 0 && errno == EINTR) continue;
-            if (put <= 0) throw fail("written");
-            done += static_cast<size_t>(put);
-        }
+        for (std::span<const std::byte> bytes : pieces)
+            while (!bytes.empty()) {
+                const ssize_t put = ::write(file.fd, bytes.data(), bytes.size());
+                if (put < 0 && errno == EINTR) continue;
+                if (put <= 0) throw fail("written");
+                bytes = bytes.subspan(static_cast<size_t>(put));
+            }
         if (::close(std::exchange(file.fd, -1)) != 0) throw fail("written");  // a full network disk says so only here
     }
     if (replace && ::rename(written.c_str(), target.c_str()) != 0) throw fail("put in place");

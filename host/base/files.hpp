@@ -16,5 +16,7 @@ std::vector<std::byte> readFile(const std::filesystem::path& path, size_t maxByt
 /// not the link; a device or a pipe is written to. Throws an Error (badInput, as the path is the user's) if that fails;
 /// nothing is left behind then.
 void writeFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
+/// The same of a file in several pieces.
+void writeFileAtomically(const std::filesystem::path& path, std::span<const std::span<const std::byte>> pieces);
 
 }  // namespace raig
