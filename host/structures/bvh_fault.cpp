@@ -1,3 +1,4 @@
+#include "base/parallel.hpp"
 #include "structures/bvh.hpp"
 #include "structures/bvh_layout.hpp"
 
@@ -29,6 +30,7 @@ public:
         for (uint32_t i = 0; i < count; ++i) {
             while (!open_.empty() && open_.back().end == i) open_.pop_back();
             const LaidNode node(structure_, octant_, i);
+            if (i == 0 && boxes_ && !isBounded(node.extent())) return at(i, "its box is not that of the scene");
             if (boxes_ && !open_.empty() && !contains(open_.back().node.extent(), node.extent().lo, node.extent().hi))
                 return at(i, "its box sticks out of its parent's");
             if ((node.word() & leafBit) != 0) {
@@ -39,6 +41,8 @@ public:
             if (node.word() <= i + 2 || node.word() > limit) return at(i, "its skip link leaves its parent or does not advance");
             open_.push_back({node, node.word()});
         }
+        for (uint32_t i = count; count > 0 && i < count + shared::BVH_END_NODES; ++i)  // an empty tree is not even entered
+            if (LaidNode(structure_, octant_, i).word() != i) return at(i, "it should end the walk");
         return std::nullopt;
     }
 
@@ -48,6 +52,14 @@ private:
         LaidNode node;
         uint32_t end;
     };
+    /// True if the root's planes are no farther out than they are laid: nothing that a walk computes overflows.
+    bool isBounded(const LaidNode::Extent& root) const {
+        const StructureHeader& header = structure_.header;
+        if (header.walk != shared::WALK_OCTANTS16) return root.lo == dvec3(header.lo) && root.hi == dvec3(header.hi);
+        StructureHeader laid = header;
+        setGrid(laid);
+        return laid.gridOrigin == header.gridOrigin && laid.gridStep == header.gridStep;
+    }
 
     std::string at(uint32_t index, std::string_view what) const {
         return fmt::format("node {} of copy {}: {}", index, octant_, what);
@@ -123,14 +135,20 @@ std::optional<std::string> findFault(const Structure& structure, std::span<const
         return "triangle count and array differ";
     if (structure.nodes.size() != copies(structure) * nodesACopy(header) * nodeTexels(header)) return "node count and array differ";
     if (auto fault = findReferenceFault(structure, triangles)) return fault;
-    for (uint32_t octant = 0; octant < copies(structure); ++octant) {
-        std::vector<uint8_t> seen(header.triangleCount);
-        Parts parts;
-        if (auto fault = CopyChecker(structure, octant, seen, parts).findFault()) return fault;
-        if (auto fault = findUncovered(parts, triangles, header.unit)) return fault;
-        for (uint32_t i = 0; i < header.triangleCount; ++i)
-            if (seen[i] == 0) return fmt::format("reference {} is in no leaf of copy {}", i, octant);
-    }
+    std::vector<std::optional<std::string>> faults(copies(structure));
+    parallelFor(faults.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t octant = begin; octant < end; ++octant) {
+            std::vector<uint8_t> seen(header.triangleCount);
+            Parts parts;
+            faults[octant] = CopyChecker(structure, static_cast<uint32_t>(octant), seen, parts).findFault();
+            if (!faults[octant]) faults[octant] = findUncovered(parts, triangles, header.unit);
+            const auto missing = std::find(seen.begin(), seen.end(), 0);
+            if (!faults[octant] && missing != seen.end())
+                faults[octant] = fmt::format("reference {} is in no leaf of copy {}", missing - seen.begin(), octant);
+        }
+    });
+    for (const std::optional<std::string>& fault : faults)
+        if (fault) return fault;
     return std::nullopt;
 }
 

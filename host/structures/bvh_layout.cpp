@@ -18,17 +18,6 @@ uint32_t bits(float value) {
     return std::bit_cast<uint32_t>(value);
 }
 
-/// The grid of 16-bit planes: q stands for origin + q * step, so that 0 lies at or below lo and 65535 at or above hi.
-void setGrid(StructureHeader& header) {
-    const vec3 extent = header.hi - header.lo;
-    const float widest = std::max({extent.x, extent.y, extent.z});
-    for (int axis = 0; axis < 3; ++axis) {
-        // A flat axis gets steps too, small ones; one part in 2^20 makes up for all rounding here.
-        header.gridStep[axis] = std::max(extent[axis], widest * 0x1p-16f) / gridSteps * (1.0f + 0x1p-20f);
-        header.gridOrigin[axis] = header.lo[axis];
-    }
-}
-
 /// The largest q at or below, or the smallest at or above, a coordinate: exact in double.
 uint32_t quantise(double coordinate, double origin, double step, bool upwards) {
     const double q = (coordinate - origin) / step;
@@ -294,6 +283,16 @@ uint64_t referenceBytes(const BinaryTree& tree) { return tree.references.size() 
 uint32_t nodeTexels(const StructureHeader& header) {
     static constexpr uint32_t texels[] = {2, 2, 1, 2, 4, 4};
     return texels[header.walk];
+}
+
+void setGrid(StructureHeader& header) {
+    const vec3 extent = header.hi - header.lo;
+    const float widest = std::max({extent.x, extent.y, extent.z});
+    for (int axis = 0; axis < 3; ++axis) {
+        // A flat axis gets steps too, small ones; one part in 2^20 makes up for all rounding here.
+        header.gridStep[axis] = std::max(extent[axis], widest * 0x1p-16f) / gridSteps * (1.0f + 0x1p-20f);
+        header.gridOrigin[axis] = header.lo[axis];
+    }
 }
 
 uint32_t copies(const Structure& structure) {

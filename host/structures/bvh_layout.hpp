@@ -12,6 +12,10 @@ namespace raig::bvh {
 /// O(nodes), the octants in parallel; other bounds than boxes take O(depth) looks at each triangle.
 void layOut(const BinaryTree& tree, std::span<const Triangle> triangles, const BuildParams& params, Structure& structure);
 
+/// Sets the grid of 16-bit planes over lo and hi: q stands for origin + q * step, so that 0 lies at or below lo and 65535 at
+/// or above hi.
+void setGrid(StructureHeader& header);
+
 /// One node as it lies in memory, read back. Must not outlive the structure.
 class LaidNode {
 public:

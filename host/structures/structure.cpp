@@ -17,6 +17,33 @@ const StructureType types[] = {
 #undef RAIG_STRUCTURE
 };
 
+/// An option that differs from its default, and its value.
+struct GivenOption {
+    std::string_view name;
+    std::string value;
+};
+
+/// The one list of all options.
+std::vector<GivenOption> givenOptions(const BuildParams& params) {
+    const BuildParams defaults;
+    std::vector<GivenOption> given;
+    const auto add = [&](std::string_view name, const auto& value, const auto& byDefault) {
+        if (value != byDefault) given.push_back({name, fmt::format("{}", value)});
+    };
+    constexpr double mebibyte = 1 << 20;
+    add("--build", params.build, defaults.build);
+    add("--walk", params.walk, defaults.walk);
+    add("--bound", params.bound, defaults.bound);
+    add("--arity", params.arity, defaults.arity);
+    add("--precision", params.precision, defaults.precision);
+    add("--max-leaf", params.maxLeaf, defaults.maxLeaf);
+    add("--max-tree-depth", params.maxTreeDepth, defaults.maxTreeDepth);
+    add("--grid-density", params.gridDensity, defaults.gridDensity);
+    add("--levels", params.levels, defaults.levels);
+    add("--memory-budget", params.memoryBudget / mebibyte, defaults.memoryBudget / mebibyte);
+    return given;
+}
+
 uvec4 texel(const vec3& corner, uint32_t word) {
     return {std::bit_cast<uint32_t>(corner.x), std::bit_cast<uint32_t>(corner.y), std::bit_cast<uint32_t>(corner.z), word};
 }
@@ -48,17 +75,16 @@ const StructureType& structureType(std::string_view name) {
     throw usageError("--accel {}: no such structure; there are {}", name, names);
 }
 
+std::string describeOptions(const BuildParams& params) {
+    std::string text;
+    for (const auto& [name, value] : givenOptions(params)) text += fmt::format("{}{} {}", text.empty() ? "" : " ", name, value);
+    return text;
+}
+
 void refuseOtherOptions(const BuildParams& params, std::string_view structure, std::initializer_list<std::string_view> offered) {
-    const std::pair<std::string_view, bool> given[] = {
-        {"--build", !params.build.empty()},          {"--walk", params.walk != "auto"},
-        {"--bound", !params.bound.empty()},          {"--arity", params.arity != 0},
-        {"--precision", params.precision != 0},
-        {"--max-leaf", params.maxLeaf != 0},         {"--max-tree-depth", params.maxTreeDepth != 0},
-        {"--grid-density", params.gridDensity != 0}, {"--levels", params.levels != 0},
-    };
-    for (const auto& [option, isGiven] : given)
-        if (isGiven && std::find(offered.begin(), offered.end(), option) == offered.end())
-            throw usageError("{}: {} has no such option; leave it out", option, structure);
+    for (const auto& [name, value] : givenOptions(params))
+        if (name != "--memory-budget" && std::find(offered.begin(), offered.end(), name) == offered.end())
+            throw usageError("{}: {} has no such option; leave it out", name, structure);
 }
 
 float unitOf(const Box& bounds) {

@@ -53,6 +53,9 @@ struct BuildParams {
     uint64_t memoryBudget = uint64_t{4} << 30;  ///< most bytes of a built structure: builders stop subdividing before it
 };
 
+/// The options that differ from their defaults, as on the command line: "--walk skip --max-leaf 4". Empty if none does.
+std::string describeOptions(const BuildParams& params);
+
 /// Throws usageError if an option is given that is not among `offered` (as on the command line, "--max-leaf" say).
 /// The memory budget is every structure's.
 void refuseOtherOptions(const BuildParams& params, std::string_view structure, std::initializer_list<std::string_view> offered);
@@ -89,7 +92,8 @@ struct StructureType {
     /// Pure: the same triangles and parameters give the same bytes, on any number of threads. Empty spans are fine.
     /// Throws usageError for a parameter it does not offer.
     Structure (*build)(std::span<const Triangle>, const BuildParams&);
-    /// Names the first broken invariant, or nothing if all hold.
+    /// Names the first broken invariant, or nothing if all hold: then every walk ends, reads only what is there, and finds
+    /// what it should. Stands any values in nodes, triangles and header, as they may come from a file.
     std::optional<std::string> (*findFault)(const Structure&, std::span<const Triangle>);
 };
 

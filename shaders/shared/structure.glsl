@@ -19,6 +19,9 @@ struct StructureHeader {
 const uint TRIANGLE_STRIDE = 3u;
 const uint TRIANGLE_SEE_THROUGH = 1u;  // lets light through: no obstacle to shadow rays
 
+// header.walk is less than this, whatever the structure.
+const uint MAX_WALKS = 6u;
+
 // Walks of bvh, by what bounds a node. All but the first have eight copies of the tree, one for each octant of directions.
 const uint WALK_SKIP = 0u;       // one depth-first tree, boxes of floats: 32 bytes a node
 const uint WALK_OCTANTS = 1u;    // boxes of floats: 32 bytes
@@ -26,7 +29,6 @@ const uint WALK_OCTANTS16 = 2u;  // boxes with 16-bit planes: 16 bytes
 const uint WALK_SPHERES = 3u;    // spheres: 32 bytes
 const uint WALK_OBBS = 4u;       // oriented boxes: 64 bytes
 const uint WALK_KDOPS = 5u;      // seven slabs, the axes' and the diagonals': 64 bytes
-const uint MOST_WALKS = 6u;      // more than any structure's walks are numbered
 
 // How many nodes end each copy of the tree: as many as a walk takes steps before it looks, and one.
 const uint BVH_END_NODES = 7u;

@@ -1,0 +1,71 @@
+/// Built structures in files, so that a scene need not be built over again.
+///
+/// A file is a header of fixed size, then the nodes and the triangles as they lie in memory. The header holds the version of
+/// the format, a mark that tells the order of bytes, the structure's name and the options it was built with, its sizes, a
+/// hash of the triangles it was built over, and checksums of itself and of the arrays (XXH3 [Collet 2019]).
+///
+/// Nothing that a file says is believed. Sizes are checked against the file's before memory is taken. Checksums tell
+/// accidents; against intent, a structure is used only if it keeps every invariant over the scene's own triangles
+/// (StructureType::findFault): its walks then end, stay inside the arrays and find what they should. That finds most files
+/// of an older layout, too. Reading a bvh with all checks takes some third of the time of building it.
+///
+/// Marks of triangles that let light through are not kept: they belong to the scene's materials.
+#pragma once
+
+#include "base/error.hpp"
+#include "base/input_file.hpp"
+#include "structures/structure.hpp"
+
+#include <array>
+#include <filesystem>
+
+namespace raig {
+
+/// The start of a file, as it lies there. Names end in zeros.
+struct StructureFileHeader {
+    std::array<char, 8> magic;
+    uint32_t byteOrder;
+    uint32_t version;
+    uint64_t headerChecksum;  ///< of the members below
+    uint64_t arraysChecksum;
+    std::array<uint64_t, 2> geometryHash;
+    uint64_t sceneTriangles;  ///< it was built over
+    uint64_t nodeTexels;
+    uint64_t triangleTexels;
+    std::array<char, 32> structure;
+    std::array<char, 32> walk;
+    std::array<char, 192> options;
+    StructureHeader header;
+    uint64_t nodes, leaves, depth, references;
+    double sahCost, seconds;
+};
+static_assert(sizeof(StructureFileHeader) == 440 && sizeof(Triangle) == 36, "nothing in them is padding");
+
+/// Writes `structure`, which was built over `triangles` with `params`, whole or not at all. Throws inputError if that fails.
+void saveStructure(const std::filesystem::path& path, const Structure& structure, const BuildParams& params,
+                   std::span<const Triangle> triangles);
+
+/// A file of saveStructure. All that is wrong with it is an inputError, which says what to do.
+class StructureFile {
+public:
+    /// Opens the file and checks all but the arrays: so a wrong one is known before a large scene is read.
+    explicit StructureFile(const std::filesystem::path& path);
+
+    std::string structureName() const;
+    /// As describeOptions gave them.
+    std::string options() const;
+    /// What building took, in seconds.
+    double buildSeconds() const { return header_.seconds; }
+
+    /// Reads the structure. Throws, too, if it was built over other triangles. Cost O(references), in parallel in part.
+    Structure read(std::span<const Triangle> triangles);
+
+private:
+    Error broken(std::string_view what) const;
+    void checkHeader() const;
+
+    InputFile file_;
+    StructureFileHeader header_;
+};
+
+}  // namespace raig
