@@ -62,7 +62,7 @@ TEST(Readme, EveryCommandOfItRuns) {
         EXPECT_EQ(result.exitCode, 0) << "raig" << line << '\n' << result.errors;
         EXPECT_EQ(result.errors.find("error:"), std::string::npos) << "raig" << line << '\n' << result.errors;
     }
-    for (const char* const file : {"out.png", "box.exr", "deep.png", "hits.npy", "difference.png"})
+    for (const char* const file : {"out.png", "box.exr", "deep.png", "hits.npy", "difference.png", "again.png"})
         EXPECT_TRUE(fs::is_regular_file(file)) << file;
 
     fs::current_path(before);

@@ -76,6 +76,7 @@ void addStructure(CLI::App& app, Options& options) {
         if (std::find(structureNames.begin(), structureNames.end(), text) == structureNames.end())
             throw usageError("--accel {}: there is no such structure; there are {}", text, fmt::join(structureNames, ", "));
         options.accel = text;
+        options.accelGiven = true;
     };
     app.add_option_function<std::string>(
            "--accel", parse, fmt::format("acceleration structure: {} (default: bvh)", fmt::join(structureNames, ", ")))
@@ -117,6 +118,9 @@ void addStructure(CLI::App& app, Options& options) {
     app.add_option_function<std::string>("--memory-budget", parseBudget,
                                          "most MiB of a structure: builders stop subdividing before it (default: 4096)")
         ->type_name("MIB");
+    CLI::Option* const save = app.add_option("--save-structure", options.saveStructure, "write the structure to this file");
+    app.add_option("--load-structure", options.loadStructure, "read the structure from such a file instead of building it")
+        ->type_name("FILE")->excludes(save->type_name("FILE"));
     addWholeNumber(app, "--seed", options.seed, 0, largest, "of the random numbers (default: 0)");
 }
 
@@ -268,6 +272,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
         if (input.empty()) throw usageError("a file name is empty");
     checkFolderOf(options.output);
     checkFolderOf(options.hits);
+    checkFolderOf(options.saveStructure);
     return options;
 }
 

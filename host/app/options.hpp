@@ -28,7 +28,10 @@ struct Options {
 
     // The acceleration structure.
     std::string accel = "bvh";  ///< a line of structures/registry.def
+    bool accelGiven = false;    ///< it was asked for
     BuildParams buildParams;    ///< which of them a structure offers, its builder checks
+    std::filesystem::path saveStructure;  ///< where to write the structure; empty: nowhere
+    std::filesystem::path loadStructure;  ///< where to read it from; empty: it is built
 
     // What is read and written. `trace` and `render` have one scene; `compare` a scene, or two pictures.
     std::vector<std::filesystem::path> inputs;

@@ -1,9 +1,8 @@
 #include "app/setup.hpp"
 
+#include "app/structure_source.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "base/parallel.hpp"
-#include "rays/lights.hpp"
 #include "scene/import.hpp"
 
 #include <charconv>
@@ -30,20 +29,6 @@ void describeScene(const Scene& scene, const Geometry& geometry) {
                   dropped.nonFinite, dropped.zeroArea, dropped.other);
 }
 
-Structure buildStructure(const Options& options, const Geometry& geometry, const Scene& scene) {
-    std::vector<Triangle> triangles(geometry.triangles.size());
-    parallelFor(triangles.size(), 65536, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            const uvec3 t = geometry.triangles[i];
-            triangles[i] = {geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z]};
-        }
-    });
-    Structure structure = structureType(options.accel).build(triangles, options.buildParams);
-    const std::vector<uint8_t> seeThrough = findSeeThrough(scene, geometry);
-    if (!seeThrough.empty()) structure.markSeeThrough(seeThrough);
-    return structure;
-}
-
 }  // namespace
 
 std::string Setup::deviceName() const { return device ? device->info().name : "cpu"; }
@@ -56,7 +41,7 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
     auto setup = std::make_unique<Setup>();
     // A device or a structure that does not exist should be told before a large scene is read.
     const std::optional<DeviceInfo> info = chooseDevice(options.device);
-    structureType(options.accel);
+    StructureSource source(options);
 
     Clock::time_point start = Clock::now();
     setup->scene = importScene(file);
@@ -64,10 +49,12 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
     setup->importSeconds = secondsSince(start);
     describeScene(setup->scene, setup->geometry);
 
-    setup->structure = buildStructure(options, setup->geometry, setup->scene);
+    setup->structure = source.make(setup->scene, setup->geometry);
+    setup->buildSeconds = source.buildSeconds();
+    setup->loadSeconds = source.loadSeconds();
     const StructureStatistics& built = setup->structure.statistics;
-    log::note("structure: {} ({}), {} nodes, depth {}, {:.1f} bytes a triangle, built in {:.3f} s", setup->structure.name,
-              setup->structure.walk, built.nodes, built.depth, setup->bytesPerTriangle(), built.seconds);
+    log::note("structure: {} ({}), {} nodes, depth {}, {:.1f} bytes a triangle, {}", setup->structure.name,
+              setup->structure.walk, built.nodes, built.depth, setup->bytesPerTriangle(), source.origin(setup->structure));
 
     start = Clock::now();
     if (info) {

@@ -18,6 +18,8 @@ struct Setup {
     std::unique_ptr<Tracer> tracer;
     DeviceTracer* deviceTracer = nullptr;  ///< `tracer`, where there is a device
     double importSeconds = 0.0;
+    double buildSeconds = 0.0;  ///< 0 where the structure was read from a file
+    double loadSeconds = 0.0;
     double uploadSeconds = 0.0;
 
     Setup() = default;
@@ -28,7 +30,7 @@ struct Setup {
     double bytesPerTriangle() const;
 };
 
-/// Imports `file`, builds the structure of --accel and its options, opens the device, and says so line by line.
+/// Imports `file`, builds or reads the structure that is asked for, opens the device, and says so line by line.
 /// Throws what importing, building and opening throw.
 std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::path& file);
 

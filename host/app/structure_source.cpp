@@ -1,0 +1,73 @@
+#include "app/structure_source.hpp"
+
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+#include "rays/lights.hpp"
+
+#include <chrono>
+
+namespace raig {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void checkIsAskedFor(const StructureFile& file, const Options& options) {
+    if (options.accelGiven && file.structureName() != options.accel)
+        throw inputError(options.loadStructure, "holds a {}, not the {} of --accel; leave out --accel, or --load-structure",
+                         file.structureName(), options.accel);
+    const std::string wanted = describeOptions(options.buildParams), found = file.options();
+    if (!wanted.empty() && wanted != found)
+        throw inputError(options.loadStructure,
+                         "was built with {}, not with {}; leave out these options, or --load-structure",
+                         found.empty() ? "no options" : found, wanted);
+}
+
+}  // namespace
+
+std::vector<Triangle> trianglesOf(const Geometry& geometry) {
+    std::vector<Triangle> triangles(geometry.triangles.size());
+    parallelFor(triangles.size(), 65536, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+            const uvec3 t = geometry.triangles[i];
+            triangles[i] = {geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z]};
+        }
+    });
+    return triangles;
+}
+
+StructureSource::StructureSource(const Options& options) : options_(options) {
+    structureType(options.accel);
+    if (options.loadStructure.empty()) return;
+    file_ = std::make_unique<StructureFile>(options.loadStructure);
+    checkIsAskedFor(*file_, options);
+}
+
+Structure StructureSource::make(const Scene& scene, const Geometry& geometry) {
+    const std::vector<Triangle> triangles = trianglesOf(geometry);
+    Structure structure;
+    if (file_) {
+        const Clock::time_point start = Clock::now();
+        structure = file_->read(triangles);
+        loadSeconds_ = secondsSince(start);
+    } else {
+        structure = structureType(options_.accel).build(triangles, options_.buildParams);
+        buildSeconds_ = structure.statistics.seconds;
+    }
+    if (!options_.saveStructure.empty()) saveStructure(options_.saveStructure, structure, options_.buildParams, triangles);
+    const std::vector<uint8_t> seeThrough = findSeeThrough(scene, geometry);
+    if (!seeThrough.empty()) structure.markSeeThrough(seeThrough);
+    return structure;
+}
+
+std::string StructureSource::origin(const Structure& structure) const {
+    const std::string built = fmt::format("built in {:.3f} s", structure.statistics.seconds);
+    if (!file_) return built;
+    return fmt::format("read from {} in {:.3f} s instead of {}", options_.loadStructure.string(), loadSeconds_, built);
+}
+
+}  // namespace raig

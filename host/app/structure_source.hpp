@@ -1,0 +1,37 @@
+/// Where the structure of a command comes from: it is built, or read from a file.
+#pragma once
+
+#include "app/options.hpp"
+#include "scene/geometry.hpp"
+#include "structures/structure_file.hpp"
+
+#include <memory>
+
+namespace raig {
+
+/// The triangles that structures are built over: id i is geometry.triangles[i].
+std::vector<Triangle> trianglesOf(const Geometry& geometry);
+
+class StructureSource {
+public:
+    /// Throws what is wrong with --accel, and with the start of the file of --load-structure, before a scene is read:
+    /// usageError, or inputError if the file holds another structure, or other options, than are asked for.
+    explicit StructureSource(const Options& options);
+
+    /// Builds or reads the structure of the scene, saves it if --save-structure is given, and marks what lets light through.
+    /// Throws what building, reading and saving throw.
+    Structure make(const Scene& scene, const Geometry& geometry);
+
+    /// How `structure` came here, in words.
+    std::string origin(const Structure& structure) const;
+    double buildSeconds() const { return buildSeconds_; }  ///< 0 where it was read
+    double loadSeconds() const { return loadSeconds_; }    ///< 0 where it was built
+
+private:
+    const Options& options_;
+    std::unique_ptr<StructureFile> file_;
+    double buildSeconds_ = 0.0;
+    double loadSeconds_ = 0.0;
+};
+
+}  // namespace raig
