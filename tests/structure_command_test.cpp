@@ -1,4 +1,5 @@
 // Structures as the commands make, keep and choose them.
+#include "structures/structure.hpp"
 #include "support/program.hpp"
 
 #include <gtest/gtest.h>
@@ -82,6 +83,79 @@ TEST_F(StructureCommands, SavedStructuresOfOtherScenesAndKindsAreRefused) {
     EXPECT_FALSE(fs::exists(folder_ / "c.pfm"));
     // What is wrong with the file's start is told before the scene is read.
     expectRefusal(render("nosuch.glb", "c.pfm", {"--load-structure", file_}), 3, file_);
+}
+
+TEST_F(StructureCommands, InfoTellsOfTheSceneAndOfEveryStructure) {
+    const ProgramResult result = raig({"info", spheres_, "--json"});
+    ASSERT_EQ(result.exitCode, 0) << result.errors;
+    const auto document = nlohmann::json::parse(result.output);
+    const auto& scene = document["scene"];
+    EXPECT_EQ(scene["file"], spheres_);
+    EXPECT_GT(scene["triangles"], 100);
+    EXPECT_LE(scene["usable_triangles"], scene["triangles"]);
+    EXPECT_GT(scene["sizes_ratio"], 1.0);
+    EXPECT_FALSE(scene["features"].empty());
+    EXPECT_EQ(scene["extent"].size(), 3u);
+    const auto& structures = document["structures"];
+    ASSERT_EQ(structures.size(), structureTypes().size());
+    for (size_t i = 0; i < structures.size(); ++i) {
+        const auto& found = structures[i];
+        EXPECT_EQ(found["name"], std::string(structureTypes()[i].name));
+        for (const char* key : {"build_s", "bytes", "nodes", "depth", "references_per_triangle", "sah", "predicted"})
+            EXPECT_EQ(found.contains(key), !found.contains("trouble")) << found << ' ' << key;
+        if (found["name"] == "bvh") {
+            EXPECT_GT(found["nodes"], 10);
+            EXPECT_EQ(found["references_per_triangle"], 1.0);
+            EXPECT_GT(found["predicted"]["node_visits"], 1.0);
+        }
+    }
+    EXPECT_FALSE(document["auto"]["structure"].get<std::string>().empty());
+    EXPECT_FALSE(document["auto"]["why"].get<std::string>().empty());
+}
+
+TEST_F(StructureCommands, InfoPrintsATableThatIsAligned) {
+    const ProgramResult result = raig({"info", box_});
+    ASSERT_EQ(result.exitCode, 0) << result.errors;
+    EXPECT_NE(result.output.find("triangles   "), std::string::npos) << result.output;
+    EXPECT_NE(result.output.find("\nauto: "), std::string::npos) << result.output;
+    const size_t head = result.output.find("\nstructure "), bvh = result.output.find("\nbvh ");
+    ASSERT_TRUE(head != std::string::npos && bvh != std::string::npos) << result.output;
+    EXPECT_EQ(result.output.find('\n', head + 1) - head, result.output.find('\n', bvh + 1) - bvh) << result.output;
+}
+
+TEST_F(StructureCommands, InfoWarnsOfATeapotInAStadiumOnly) {
+    const auto writeMesh = [&](const char* name, double hall) {
+        std::ofstream file(folder_ / name);
+        file << "v " << -hall << " 0 " << -hall << "\nv " << hall << " 0 " << -hall << "\nv 0 0 " << hall << "\nf 1 2 3\n";
+        for (int x = 0; x <= 50; ++x)
+            for (int z = 0; z <= 50; ++z) file << "v " << x << ' ' << 1 + x * z % 7 << ' ' << z << '\n';
+        for (int x = 0; x < 50; ++x)
+            for (int z = 0; z < 50; ++z) {
+                const int at = 4 + 51 * x + z;
+                file << "f " << at << ' ' << at + 1 << ' ' << at + 52 << ' ' << at + 51 << '\n';
+            }
+    };
+    writeMesh("stadium.obj", 20000.0);
+    writeMesh("field.obj", 60.0);
+    EXPECT_NE(raig({"info", folder_ / "stadium.obj"}).errors.find("grid --levels 1 would be slow"), std::string::npos);
+    EXPECT_EQ(raig({"info", folder_ / "field.obj"}).errors.find("grid --levels 1"), std::string::npos);
+}
+
+TEST_F(StructureCommands, AutoTakesTheStructureThatInfoNames) {
+    for (const std::string& scene : {box_, spheres_}) {
+        const auto told = nlohmann::json::parse(raig({"info", scene, "--json"}).output)["auto"];
+        const std::string structure = told["structure"], line = "auto: " + structure + ": " + told["why"].get<std::string>();
+        const ProgramResult result = render(scene, "auto.pfm", {"--accel", "auto", "--json", "--save-structure", file_});
+        ASSERT_EQ(result.exitCode, 0) << result.errors;
+        EXPECT_NE(result.errors.find(line + '\n'), std::string::npos) << result.errors << " does not say " << line;
+        EXPECT_EQ(nlohmann::json::parse(result.output)["structure"]["name"], structure);
+        ASSERT_EQ(render(scene, "bvh.pfm", {}).exitCode, 0);
+        EXPECT_EQ(bytesOf(folder_ / "auto.pfm"), bytesOf(folder_ / "bvh.pfm"));
+        EXPECT_EQ(render(scene, "loaded.pfm", {"--load-structure", file_, "--accel", structure}).exitCode, 0);
+        EXPECT_EQ(render(scene, "loaded.pfm", {"--load-structure", file_, "--accel", "auto"}).exitCode, 0);
+    }
+    expectRefusal(render(box_, "c.pfm", {"--accel", "auto", "--max-leaf", "2"}), 2, "--max-leaf 2");
+    EXPECT_EQ(render(box_, "c.pfm", {"--accel", "auto", "--memory-budget", "64"}).exitCode, 0);
 }
 
 }  // namespace

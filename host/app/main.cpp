@@ -33,6 +33,7 @@ int runCommand(const Options& options) {
         case Command::render: return render(options);
         case Command::trace: return trace(options);
         case Command::compare: return compare(options);
+        case Command::info: return info(options);
         case Command::devices: return devices(options);
     }
     RAIG_CHECK(!"a command of the list");

@@ -21,7 +21,7 @@ const std::vector<std::string> structureNames = {
 #define RAIG_STRUCTURE(name) #name,
 #include "structures/registry.def"
 #undef RAIG_STRUCTURE
-};
+    "auto"};
 
 /// The whole text as one number, or nothing. No blanks, no plus sign, no trailing characters.
 template <class Number>
@@ -71,6 +71,17 @@ void addCommon(CLI::App& app, Options& options) {
     app.add_flag("--quiet", options.quiet, "print no remarks and no progress");
 }
 
+void addMemoryBudget(CLI::App& app, Options& options) {
+    const auto parseBudget = [&options](const std::string& text) {
+        const std::optional<uint32_t> mebibytes = wholeNumber(text, 1, 1u << 20);
+        if (!mebibytes) throw usageError("--memory-budget {}: a whole number of MiB from 1 to 1048576 is wanted", text);
+        options.buildParams.memoryBudget = uint64_t{*mebibytes} << 20;
+    };
+    app.add_option_function<std::string>("--memory-budget", parseBudget,
+                                         "most MiB of a structure: builders stop subdividing before it (default: 4096)")
+        ->type_name("MIB");
+}
+
 void addStructure(CLI::App& app, Options& options) {
     const auto parse = [&options](const std::string& text) {
         if (std::find(structureNames.begin(), structureNames.end(), text) == structureNames.end())
@@ -79,7 +90,7 @@ void addStructure(CLI::App& app, Options& options) {
         options.accelGiven = true;
     };
     app.add_option_function<std::string>(
-           "--accel", parse, fmt::format("acceleration structure: {} (default: bvh)", fmt::join(structureNames, ", ")))
+           "--accel", parse, fmt::format("acceleration structure: {}, which tries all (default: bvh)", fmt::join(structureNames, ", ")))
         ->type_name("NAME");
     BuildParams& params = options.buildParams;
     app.add_option("--walk", params.walk, "how the structure is walked (default: auto, the fastest measured)")
@@ -110,14 +121,7 @@ void addStructure(CLI::App& app, Options& options) {
         params.gridDensity = static_cast<float>(*value);
     };
     app.add_option_function<std::string>("--grid-density", parseDensity, "cells of a grid a primitive")->type_name("X");
-    const auto parseBudget = [&params](const std::string& text) {
-        const std::optional<uint32_t> mebibytes = wholeNumber(text, 1, 1u << 20);
-        if (!mebibytes) throw usageError("--memory-budget {}: a whole number of MiB from 1 to 1048576 is wanted", text);
-        params.memoryBudget = uint64_t{*mebibytes} << 20;
-    };
-    app.add_option_function<std::string>("--memory-budget", parseBudget,
-                                         "most MiB of a structure: builders stop subdividing before it (default: 4096)")
-        ->type_name("MIB");
+    addMemoryBudget(app, options);
     CLI::Option* const save = app.add_option("--save-structure", options.saveStructure, "write the structure to this file");
     app.add_option("--load-structure", options.loadStructure, "read the structure from such a file instead of building it")
         ->type_name("FILE")->excludes(save->type_name("FILE"));
@@ -213,6 +217,17 @@ void addCompare(CLI::App& app, Options& options) {
                    "Exits with 1 if what is compared differs by more than the accuracy contract allows.");
 }
 
+void addInfo(CLI::App& app, Options& options) {
+    CLI::App& command = *app.add_subcommand("info", "Tell what a scene holds and what each structure would cost in it");
+    command.callback([&options] { options.command = Command::info; });
+    addInput(command, options, "scene", "a .gltf, .glb, .obj, .ply or .stl file")->required();
+    addMemoryBudget(command, options);
+    addCommon(command, options);
+    command.footer("Examples:\n"
+                   "  raig info scene.glb\n"
+                   "  raig info bunny.ply --json");
+}
+
 void addDevices(CLI::App& app, Options& options) {
     CLI::App& command = *app.add_subcommand("devices", "List the Vulkan devices, their limits and their arithmetic");
     command.callback([&options] { options.command = Command::devices; });
@@ -225,7 +240,7 @@ Error explained(const CLI::App& app, const CLI::ParseError& error, int argc, con
     const std::vector<const CLI::App*> chosen = app.get_subcommands([](const CLI::App* sub) { return sub->parsed(); });
     if (!chosen.empty()) return usageError("{}; see raig {} --help", error.what(), chosen.front()->get_name());
     const char* const* word = std::find_if(argv + 1, argv + argc, [](std::string_view text) { return !text.starts_with('-'); });
-    const char* const commands = "render, trace, compare and devices; see raig --help";
+    const char* const commands = "render, trace, compare, info and devices; see raig --help";
     if (word == argv + argc && argc > 1) return usageError("{}: the commands are {}", error.what(), commands);
     if (word == argv + argc) return usageError("a command is wanted; there are {}", commands);
     return usageError("there is no command {}; there are {}", *word, commands);
@@ -256,6 +271,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     addRender(app, options);
     addTrace(app, options);
     addCompare(app, options);
+    addInfo(app, options);
     addDevices(app, options);
     try {
         app.parse(argc, argv);

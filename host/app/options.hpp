@@ -12,7 +12,7 @@
 
 namespace raig {
 
-enum class Command { render, trace, compare, devices };
+enum class Command { render, trace, compare, info, devices };
 
 /// All options of all commands; each command reads its own and finds the defaults in the rest. Choices that only a part of
 /// the program knows (structures, walks, builders, devices, cameras) stay names, checked by that part with a usageError.
@@ -27,7 +27,7 @@ struct Options {
     bool quiet = false;
 
     // The acceleration structure.
-    std::string accel = "bvh";  ///< a line of structures/registry.def
+    std::string accel = "bvh";  ///< a line of structures/registry.def, or "auto"
     bool accelGiven = false;    ///< it was asked for
     BuildParams buildParams;    ///< which of them a structure offers, its builder checks
     std::filesystem::path saveStructure;  ///< where to write the structure; empty: nowhere

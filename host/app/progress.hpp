@@ -25,6 +25,11 @@ public:
     Progress& operator=(const Progress&) = delete;
 
     void update(double fractionDone, double raysDone);
+    /// The same of work without rays, which is at `step` now.
+    void update(const std::string& step, double fractionDone) {
+        label = step;
+        update(fractionDone, 0.0);
+    }
     ProgressCallback callback() {
         return [this](double fractionDone, double raysDone) { update(fractionDone, raysDone); };
     }

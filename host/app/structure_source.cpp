@@ -1,7 +1,10 @@
 #include "app/structure_source.hpp"
 
+#include "app/progress.hpp"
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "base/parallel.hpp"
+#include "measure/trials.hpp"
 #include "rays/lights.hpp"
 
 #include <chrono>
@@ -17,7 +20,7 @@ double secondsSince(Clock::time_point start) {
 }
 
 void checkIsAskedFor(const StructureFile& file, const Options& options) {
-    if (options.accelGiven && file.structureName() != options.accel)
+    if (options.accelGiven && options.accel != "auto" && file.structureName() != options.accel)
         throw inputError(options.loadStructure, "holds a {}, not the {} of --accel; leave out --accel, or --load-structure",
                          file.structureName(), options.accel);
     const std::string wanted = describeOptions(options.buildParams), found = file.options();
@@ -25,6 +28,15 @@ void checkIsAskedFor(const StructureFile& file, const Options& options) {
         throw inputError(options.loadStructure,
                          "was built with {}, not with {}; leave out these options, or --load-structure",
                          found.empty() ? "no options" : found, wanted);
+}
+
+/// Of all options of structures, only the budget is every structure's.
+void checkAuto(const Options& options) {
+    BuildParams params = options.buildParams;
+    params.memoryBudget = BuildParams{}.memoryBudget;
+    const std::string given = describeOptions(params);
+    if (options.accel == "auto" && !given.empty())
+        throw usageError("{}: --accel auto tries structures as they are; name one with it, or leave this out", given);
 }
 
 }  // namespace
@@ -41,10 +53,26 @@ std::vector<Triangle> trianglesOf(const Geometry& geometry) {
 }
 
 StructureSource::StructureSource(const Options& options) : options_(options) {
-    structureType(options.accel);
+    if (options.accel != "auto") structureType(options.accel);
+    checkAuto(options);
     if (options.loadStructure.empty()) return;
     file_ = std::make_unique<StructureFile>(options.loadStructure);
     checkIsAskedFor(*file_, options);
+}
+
+Structure StructureSource::choose(const Scene& scene, const Geometry& geometry, std::span<const Triangle> triangles) {
+    std::vector<Trial> trials;
+    if (triangles.size() <= mostForTrials) {
+        Progress progress("trying structures");
+        TrialOptions trial{.memoryBudget = options_.buildParams.memoryBudget, .keepStructures = true};
+        trial.progress = [&](const std::string& name, double done) { progress.update("trying " + name, done); };
+        trials = tryStructures(scene, geometry, triangles, trial);
+    }
+    const Choice choice = chooseStructure(triangles.size(), trials);
+    log::note("auto: {}: {}", choice.structure, choice.why);
+    for (Trial& trial : trials)
+        if (trial.name == choice.structure) return std::move(trial.structure);
+    return structureType(choice.structure).build(triangles, options_.buildParams);
 }
 
 Structure StructureSource::make(const Scene& scene, const Geometry& geometry) {
@@ -55,8 +83,10 @@ Structure StructureSource::make(const Scene& scene, const Geometry& geometry) {
         structure = file_->read(triangles);
         loadSeconds_ = secondsSince(start);
     } else {
-        structure = structureType(options_.accel).build(triangles, options_.buildParams);
-        buildSeconds_ = structure.statistics.seconds;
+        const Clock::time_point start = Clock::now();
+        structure = options_.accel == "auto" ? choose(scene, geometry, triangles)
+                                             : structureType(options_.accel).build(triangles, options_.buildParams);
+        buildSeconds_ = secondsSince(start);
     }
     if (!options_.saveStructure.empty()) saveStructure(options_.saveStructure, structure, options_.buildParams, triangles);
     const std::vector<uint8_t> seeThrough = findSeeThrough(scene, geometry);

@@ -18,7 +18,7 @@ public:
     /// usageError, or inputError if the file holds another structure, or other options, than are asked for.
     explicit StructureSource(const Options& options);
 
-    /// Builds or reads the structure of the scene, saves it if --save-structure is given, and marks what lets light through.
+    /// Builds, chooses (--accel auto, and says why) or reads the structure of the scene, saves it if --save-structure is given, and marks what lets light through.
     /// Throws what building, reading and saving throw.
     Structure make(const Scene& scene, const Geometry& geometry);
 
@@ -28,6 +28,8 @@ public:
     double loadSeconds() const { return loadSeconds_; }    ///< 0 where it was built
 
 private:
+    Structure choose(const Scene& scene, const Geometry& geometry, std::span<const Triangle> triangles);
+
     const Options& options_;
     std::unique_ptr<StructureFile> file_;
     double buildSeconds_ = 0.0;
