@@ -154,7 +154,7 @@ void printStructures(const Survey& survey) {
             continue;
         }
         const StructureStatistics& built = trial.structure.statistics;
-        fmt::print("{:10} {:14} {:>8.3f} {:>8.2f} {:>9.1f} {:>10} {:>5} {:>9.2f} {:>9.1f}  {:>9.1f} {:>9.1f} {:>9.1f}\n",
+        fmt::print("{:10} {:24} {:>8.3f} {:>8.2f} {:>9.1f} {:>10} {:>5} {:>9.2f} {:>9.1f}  {:>9.1f} {:>9.1f} {:>9.1f}\n",
                    trial.name, trial.structure.walk, built.seconds, double(built.bytes) / (1 << 20),
                    perTriangle(double(built.bytes), survey), built.nodes, built.depth,
                    perTriangle(double(built.references), survey), built.sahCost, trial.cost.nodeVisits,
