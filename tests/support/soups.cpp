@@ -84,6 +84,35 @@ std::vector<Triangle> fan(size_t count) {
     return triangles;
 }
 
+/// A wall of squares, two triangles each, in a plane that no axis lies in, and one behind it: flat, and in no box that is.
+std::vector<Triangle> tiltedWalls(uint32_t side) {
+    const dvec3 along(0.8, 0.1, -0.3), up(-0.2, 0.7, 0.4), behind(0.01, -0.02, 0.03);
+    std::vector<Triangle> triangles;
+    for (int wall = 0; wall < 2; ++wall)
+        for (uint32_t i = 0; i < side; ++i)
+            for (uint32_t j = 0; j < side; ++j) {
+                const auto at = [&](uint32_t k, uint32_t l) {
+                    return vec3((k / 4.0 - 1.0) * along + (l / 4.0 - 1.0) * up + double(wall) * behind);
+                };
+                triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+                triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+            }
+    return triangles;
+}
+
+/// Large triangles around one edge, at every angle: whoever looks along it sees all of them edge-on.
+std::vector<Triangle> pages(size_t count) {
+    const dvec3 bottom(-0.3, -0.9, 0.2), spine(0.5, 1.7, -0.4);
+    const dvec3 u = glm::normalize(glm::cross(spine, dvec3(1, 0, 0))), v = glm::normalize(glm::cross(spine, u));
+    std::vector<Triangle> triangles;
+    for (size_t i = 0; i < count; ++i) {
+        const double angle = 2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
+        const dvec3 out = 1.3 * (std::cos(angle) * u + std::sin(angle) * v);
+        triangles.push_back({vec3(bottom), vec3(bottom + spine), vec3(bottom + 0.4 * spine + out)});
+    }
+    return triangles;
+}
+
 }  // namespace
 
 std::vector<Triangle> sphere(uint32_t rings, double radius, dvec3 centre, double bumps) {
@@ -125,6 +154,8 @@ std::vector<Soup> soups() {
         {"duplicates", std::vector<Triangle>(300, one)},
         {"two of each", joined(ordinary, ordinary)},
         {"fan", fan(500)},
+        {"tilted walls", tiltedWalls(8)},
+        {"pages", pages(120)},
         {"sphere", sphere(16, 2.0, dvec3(0), 0.2)},
         {"far", moved(ordinary, 1.0, dvec3(1e4, -2e4, 3e4))},
         {"tiny", moved(ordinary, 2e-13, dvec3(0))},
@@ -179,6 +210,24 @@ Ray axisRay(const Aim& aim, Random& random) {
     return ray;
 }
 
+/// In a triangle's plane, as nearly as floats allow, or at a small angle to it: from a point of the plane, on the triangle
+/// or off it, along a combination of its edges.
+Ray grazingRay(const Aim& aim, Random& random) {
+    if (aim.usable.empty()) return {random.inCube(-1, 1), 0.0f, vec3(random.direction()), inf};
+    const Triangle& t = aim.triangles[aim.usable[random.below(static_cast<uint32_t>(aim.usable.size()))]];
+    const dvec3 edges[2] = {dvec3(t.b) - dvec3(t.a), dvec3(t.c) - dvec3(t.a)};
+    const double reach = random.below(3) == 0 ? 10.0 : 1.0;
+    const double p = reach * random.within(-1, 1), q = reach * random.within(-1, 1);
+    dvec3 direction = random.within(-1, 1) * edges[0] + random.within(-1, 1) * edges[1];
+    if (random.below(4) == 0) direction = random.below(2) == 0 ? edges[0] : edges[1] - edges[0];  // along an edge
+    if (random.below(4) == 0)
+        direction += std::pow(10.0, random.within(-9, -2)) * glm::length(direction) * random.direction();
+    vec3 origin = random.below(4) == 0 ? t.a : vec3(dvec3(t.a) + p * edges[0] + q * edges[1]);
+    if (random.below(4) == 0) origin = vec3(dvec3(origin) - random.within(0, 50) * direction);
+    const double length = glm::length(direction);
+    return {origin, 0.0f, vec3(length > 0.0 ? direction / length : dvec3(1, 0, 0)), inf};
+}
+
 }  // namespace
 
 std::vector<Ray> rays(const std::vector<Triangle>& triangles, uint64_t seed, size_t count) {
@@ -197,7 +246,7 @@ std::vector<Ray> rays(const std::vector<Triangle>& triangles, uint64_t seed, siz
         Ray ray{originAround(aim, random), 0.0f, vec3(random.direction()), inf};
         const vec3 target = pointOn(aim, random);
         const dvec3 towards = dvec3(target) - dvec3(ray.origin);
-        switch (i % 8) {
+        switch (i % 10) {
             case 0:
                 break;
             case 1:
@@ -226,6 +275,10 @@ std::vector<Ray> rays(const std::vector<Triangle>& triangles, uint64_t seed, siz
                 ray.origin = vec3(dvec3(target) - dvec3(ray.direction) * 2.0 * aim.size);
                 break;
             }
+            case 7:
+            case 8:
+                ray = grazingRay(aim, random);
+                break;
             default:  // a stretch of a ray, of any length
                 ray.direction = vec3(towards * std::pow(10.0, random.within(-13, 6)));
                 ray.tMin =
