@@ -53,6 +53,9 @@ std::vector<Variant> variants() {
     result.push_back({"kdtree", {.walk = "restart"}});
     result.push_back({"kdtree", {.build = "median"}});
     result.push_back({"kdtree", {.walk = "restart", .maxLeaf = 30, .maxTreeDepth = 5}});
+    result.push_back({"bsp", {.maxLeaf = 1}});
+    result.push_back({"bsp", {.maxLeaf = 2, .maxTreeDepth = 64}});
+    result.push_back({"bsp", {.maxTreeDepth = 3}});
     return result;
 }
 

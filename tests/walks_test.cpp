@@ -93,6 +93,7 @@ std::vector<std::pair<std::string, BuildParams>> otherStructures() {
     for (const StructureType& type : structureTypes())
         if (type.name != "brute" && type.name != "bvh") result.push_back({std::string(type.name), {}});
     result.push_back({"kdtree", {.walk = "restart"}});
+    for (const char* bound : {"sphere", "obb", "kdop"}) result.push_back({"bvh", {.bound = bound}});
     return result;
 }
 
@@ -100,15 +101,15 @@ TEST_P(EveryDevice, WalksEveryStructureAsTheCpuDoes) {
     const std::vector<test::Soup> soups = test::soups();
     const bool slow = GetParam() == "SwiftShader" && !isLong();
     for (const auto& [name, params] : otherStructures())
-        for (size_t i = 0; i < soups.size(); i += slow ? 3 : 1) {
+        for (size_t i = 0; i < soups.size(); i += slow ? 5 : 1) {
             const test::Soup& soup = soups[i];
             const Structure structure = structureType(name).build(soup.triangles, params);
             const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 9, 2000);
             const auto device = makeDeviceTracer(*device_, structure);
             const auto cpu = makeCpuTracer(structure);
-            const std::string what = soup.name + ' ' + name + ' ' + params.walk;
+            const std::string what = soup.name + ' ' + name + ' ' + params.walk + params.bound;
             expectSame(trace(*device, rays), trace(*cpu, rays), rays, what);
-            if (params.walk == "auto" && !slow)
+            if (params.walk == "auto" && params.bound.empty() && !slow)
                 expectSame(trace(*device, rays, Query::any), trace(*cpu, rays, Query::any), rays, what + " any");
         }
 }
@@ -121,7 +122,7 @@ TEST_P(EveryDevice, TakesUpLongWalksWhereTheyStopped) {
     std::vector<Ray> rays;
     test::Random random(4);
     for (int i = 0; i < 100; ++i) rays.push_back({random.inCube(-1, 1) * vec3(1, 1, 0), 0.0f, vec3(0, 0, 1), 10.0f});
-    for (const char* name : {"brute", "bvh", "kdtree"}) {
+    for (const char* name : {"brute", "bvh", "kdtree", "bsp"}) {
         const Structure structure = structureType(name).build(pile, {});
         const auto device = makeDeviceTracer(*device_, structure);
         const std::vector<Hit> hits = trace(*device, rays);
@@ -134,9 +135,10 @@ TEST_P(EveryDevice, CountsWhatTheCpuCounts) {
     const std::vector<Triangle> triangles = test::sphere(40, 1.0, dvec3(0), 0.1);
     const std::vector<Ray> rays = test::rays(triangles, /* seed= */ 2, /* count= */ 5000);
     std::vector<Hit> hits(rays.size());
-    for (const char* walk : {"skip", "octants", "auto", "short-stack", "restart"}) {
-        const bool ofKdtree = walk == std::string("short-stack") || walk == std::string("restart");
-        const Structure structure = structureType(ofKdtree ? "kdtree" : "bvh").build(triangles, {.walk = walk});
+    const std::pair<std::string, std::string> walks[] = {{"bvh", "skip"},           {"bvh", "octants"},    {"bvh", "auto"},
+                                                         {"kdtree", "short-stack"}, {"kdtree", "restart"}, {"bsp", "auto"}};
+    for (const auto& [name, walk] : walks) {
+        const Structure structure = structureType(name).build(triangles, {.walk = walk});
         const WalkCounters cpu = makeCpuTracer(structure)->trace(rays, hits, Query::closest).counters;
         const WalkCounters device =
             makeDeviceTracer(*device_, structure, /* counting= */ true)->trace(rays, hits, Query::closest).counters;
@@ -171,7 +173,7 @@ TEST_P(EveryDevice, WalksRealScenesAsTheCpuAndBruteForceDo) {
         const std::vector<Hit> want = trace(*makeCpuTracer(structure), rays);
         expectSame(trace(*makeDeviceTracer(*device_, structure), rays), want, rays, file);
         for (const auto& [name, params] : otherStructures()) {
-            if (params.walk != "auto") continue;
+            if (params.walk != "auto" || !params.bound.empty()) continue;
             const Structure other = structureType(name).build(triangles, params);
             EXPECT_EQ(structureType(name).findFault(other, triangles), std::nullopt) << file << ' ' << name;
             expectSame(trace(*makeDeviceTracer(*device_, other), rays), want, rays, std::string(file) + ' ' + name);

@@ -145,7 +145,7 @@ void printScene(const Survey& survey) {
 }
 
 void printStructures(const Survey& survey) {
-    constexpr const char* head = "\n{:10} {:14} {:>8} {:>8} {:>9} {:>10} {:>5} {:>9} {:>9}  {:>9} {:>9} {:>9}\n";
+    constexpr const char* head = "\n{:10} {:24} {:>8} {:>8} {:>9} {:>10} {:>5} {:>9} {:>9}  {:>9} {:>9} {:>9}\n";
     fmt::print(fmt::runtime(head), "structure", "walk", "build s", "MiB", "bytes/tri", "nodes", "depth", "refs/tri", "SAH",
                "visits", "tests", "cost");
     for (const Trial& trial : survey.trials) {
