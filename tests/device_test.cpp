@@ -465,7 +465,7 @@ TEST_P(OnEveryDevice, ADamagedCacheIsReplacedAndAnUnwritableOneIgnored) {
     EXPECT_TRUE(vk::decodeCache(readFile(file), key).has_value());
 
     std::filesystem::remove_all(folder / "raig");
-    writeFileAtomically(folder / "raig", {});  // a file where the folder should be
+    writeFileAtomically(folder / "raig", std::span<const std::byte>());  // a file where the folder should be
     compile();
     EXPECT_TRUE(std::filesystem::is_regular_file(folder / "raig"));
     std::filesystem::remove_all(folder);

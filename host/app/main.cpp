@@ -3,6 +3,7 @@
 #include "app/options.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/part_file.hpp"
 
 #include <tbb/global_control.h>
 
@@ -72,6 +73,7 @@ int run(int argc, const char* const* argv) {
 int main(int argc, char** argv) {
     // A closed pipe must not end a long run before its files are written: writes to it fail instead, and are looked at.
     std::signal(SIGPIPE, SIG_IGN);
+    raig::removePartFilesOnSignals();
     try {
         return raig::run(argc, argv);
     } catch (const raig::Error& error) {

@@ -2,10 +2,12 @@
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/part_file.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -24,6 +26,27 @@ struct Descriptor {
     }
     int fd;
 };
+
+/// Returns false, and errno says why, if not all could be written. 16 MiB at a time, as a signal waits for the end of a write.
+bool writeAll(int descriptor, std::span<const std::byte> bytes) {
+    constexpr size_t most = size_t{16} << 20;
+    while (!bytes.empty()) {
+        const ssize_t put = ::write(descriptor, bytes.data(), std::min(most, bytes.size()));
+        if (put < 0 && errno == EINTR) continue;
+        if (put <= 0) return false;
+        bytes = bytes.subspan(static_cast<size_t>(put));
+    }
+    return true;
+}
+
+bool writeAll(int descriptor, std::span<const std::span<const std::byte>> pieces) {
+    return std::all_of(pieces.begin(), pieces.end(), [&](const auto& piece) { return writeAll(descriptor, piece); });
+}
+
+/// What errno says of `path`.
+Error cannot(const std::filesystem::path& path, const char* what) {
+    return inputError(path, "cannot be {}: {}", what, std::strerror(errno));
+}
 
 }  // namespace
 
@@ -48,27 +71,16 @@ void writeFileAtomically(const std::filesystem::path& path, std::span<const std:
     // Behind a link the file is replaced, not the link.
     std::filesystem::path target = std::filesystem::is_symlink(path, none) ? std::filesystem::canonical(path, none) : path;
     if (target.empty()) target = path;
-    // A device or a pipe cannot be replaced, and root could: /dev/null would become a file.
-    const std::string written = replace ? fmt::format("{}.{}.part", target.string(), ::getpid()) : path.string();
-    const auto fail = [&](const char* what) {
-        const int reason = errno;
-        if (replace) ::unlink(written.c_str());
-        return inputError(path, "cannot be {}: {}", what, std::strerror(reason));
-    };
-    {
-        const int create = replace ? O_CREAT | O_TRUNC : 0;
-        Descriptor file(::open(written.c_str(), O_WRONLY | O_CLOEXEC | create, 0666));
-        if (file.fd < 0) throw fail("written");
-        for (std::span<const std::byte> bytes : pieces)
-            while (!bytes.empty()) {
-                const ssize_t put = ::write(file.fd, bytes.data(), bytes.size());
-                if (put < 0 && errno == EINTR) continue;
-                if (put <= 0) throw fail("written");
-                bytes = bytes.subspan(static_cast<size_t>(put));
-            }
-        if (::close(std::exchange(file.fd, -1)) != 0) throw fail("written");  // a full network disk says so only here
+    if (replace) {
+        PartFile part(fmt::format("{}.{}.part", target.string(), ::getpid()));
+        if (!part.ok() || !writeAll(part.descriptor(), pieces)) throw cannot(path, "written");
+        if (!part.putInPlace(target)) throw cannot(path, "put in place");
+    } else {
+        // A device or a pipe cannot be replaced, and root could: /dev/null would become a file.
+        Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+        if (file.fd < 0 || !writeAll(file.fd, pieces) || ::close(std::exchange(file.fd, -1)) != 0)
+            throw cannot(path, "written");
     }
-    if (replace && ::rename(written.c_str(), target.c_str()) != 0) throw fail("put in place");
 }
 
 }  // namespace raig
