@@ -1,4 +1,5 @@
 #include "structures/kdtree.hpp"
+#include "structures/parts.hpp"
 
 #include <fmt/format.h>
 
@@ -10,10 +11,6 @@ namespace raig::kdtree {
 namespace {
 
 using Fault = std::optional<std::string>;
-
-// What a part of a triangle must stick out of a plane to be on that side of it, in the structure's unit: far above the
-// rounding of cuts in double precision, far below that of the corners.
-constexpr double thickness = 0x1p-40;
 
 /// Checks that the nodes are one tree, every plane in its cell, and that each list belongs to one leaf.
 class TreeChecker {
@@ -87,19 +84,6 @@ private:
     std::vector<bool> seen_;
 };
 
-/// What of the polygon lies on one side of the plane: sign * (x - plane) <= 0.
-std::vector<dvec3> part(const std::vector<dvec3>& polygon, int axis, double plane, double sign) {
-    std::vector<dvec3> result;
-    for (size_t i = 0; i < polygon.size(); ++i) {
-        const dvec3 p = polygon[i], q = polygon[(i + 1) % polygon.size()];
-        const double outP = sign * (p[axis] - plane), outQ = sign * (q[axis] - plane);
-        if (outP <= 0.0) result.push_back(p);
-        if ((outP < 0.0) != (outQ < 0.0) && outP != 0.0 && outQ != 0.0)
-            result.push_back(p + (q - p) * (outP / (outP - outQ)));
-    }
-    return result;
-}
-
 /// Sends triangle `place` down the tree, cut by every plane, and looks for it where its parts arrive.
 class PartChecker {
 public:
@@ -114,12 +98,12 @@ public:
         const double plane = std::bit_cast<float>(node.x);
         bool below = false, above = false;
         for (const dvec3& p : polygon) {
-            below |= p[axis] < plane - thickness;
-            above |= p[axis] > plane + thickness;
+            below |= p[axis] < plane - partThickness;
+            above |= p[axis] > plane + partThickness;
         }
         if (!below && !above) return holds(node.z, polygon) || holds(node.w, polygon);
-        return (!below || holds(node.z, above ? part(polygon, axis, plane, 1.0) : polygon)) &&
-               (!above || holds(node.w, below ? part(polygon, axis, plane, -1.0) : polygon));
+        return (!below || holds(node.z, above ? partOfPolygon(polygon, axis, plane, 1.0) : polygon)) &&
+               (!above || holds(node.w, below ? partOfPolygon(polygon, axis, plane, -1.0) : polygon));
     }
 
 private:
@@ -134,21 +118,6 @@ private:
     const Structure& structure_;
     uint32_t place_;
 };
-
-/// Each usable triangle is listed once, with its own corners.
-Fault findListFault(const Structure& structure, std::span<const Triangle> triangles) {
-    std::vector<bool> listed(triangles.size());
-    for (uint32_t i = 0; i < structure.header.triangleCount; ++i) {
-        const uint32_t id = referencedId(structure, i);
-        if (id >= triangles.size()) return fmt::format("place {} names a triangle that is not there", i);
-        if (listed[id]) return fmt::format("triangle {} is listed twice", id);
-        listed[id] = true;
-        if (!refersTo(structure, i, triangles[id])) return fmt::format("place {} has other corners than triangle {}", i, id);
-    }
-    for (size_t id = 0; id < triangles.size(); ++id)
-        if (listed[id] != triangles[id].usable()) return fmt::format("triangle {} is missing, or unusable", id);
-    return std::nullopt;
-}
 
 }  // namespace
 

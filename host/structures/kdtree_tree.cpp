@@ -1,5 +1,6 @@
 #include "structures/kdtree_tree.hpp"
 
+#include "structures/allowance.hpp"
 #include "structures/clip.hpp"
 #include "structures/kdtree.hpp"
 
@@ -13,27 +14,6 @@ namespace {
 
 constexpr size_t parallelSize = 4096;  // references of cells whose halves are tasks of their own
 constexpr uint64_t wordsOfNode = sizeof(Node) / sizeof(uint32_t);
-
-/// What may still be added in a cell.
-struct Allowance {
-    uint64_t references;
-    uint64_t words;
-
-    bool hasWords(uint64_t added) const { return added + wordsOfNode <= words; }
-
-    /// Takes off what a cut adds. False if it is too much.
-    bool spend(uint64_t added) {
-        if (added > references || !hasWords(added)) return false;
-        references -= added;
-        words -= added + wordsOfNode;
-        return true;
-    }
-    Allowance share(uint64_t part, uint64_t whole) const {
-        const double fraction = static_cast<double>(part) / static_cast<double>(whole);
-        const auto of = [&](uint64_t all) { return static_cast<uint64_t>(static_cast<double>(all) * fraction); };
-        return {of(references), of(words)};
-    }
-};
 
 struct Halves {
     std::vector<BoxReference> below, above;
@@ -74,8 +54,8 @@ public:
         Halves halves = cutByPlane(triangles_, references, plane);
         const uint64_t before = references.size(), belowCount = halves.below.size(), aboveCount = halves.above.size();
         const uint64_t after = belowCount + aboveCount, added = after > before ? after - before : 0;
-        tree.shortOfMemory |= !allowance.hasWords(added);
-        if (!allowance.spend(added)) return addLeaf(references, cell, tree);
+        tree.shortOfMemory |= !allowance.hasWords(added, wordsOfNode);
+        if (!allowance.spend(added, wordsOfNode)) return addLeaf(references, cell, tree);
         references = {};
 
         const auto node = static_cast<uint32_t>(tree.nodes.size());
