@@ -50,6 +50,7 @@ std::vector<Variant> variants() {
         for (const uint32_t arity : {2, 4, 8}) result.push_back({"bvh", {.bound = bound, .arity = arity}});
     result.push_back({"bvh", {.build = "sbvh", .walk = "skip", .arity = 8}});
     result.push_back({"bvh", {.build = "sbvh", .bound = "obb", .arity = 4}});
+    result.push_back({"octree", {.maxLeaf = 1, .maxTreeDepth = 5}});
     result.push_back({"kdtree", {.walk = "restart"}});
     result.push_back({"kdtree", {.build = "median"}});
     result.push_back({"kdtree", {.walk = "restart", .maxLeaf = 30, .maxTreeDepth = 5}});

@@ -122,7 +122,7 @@ TEST_P(EveryDevice, TakesUpLongWalksWhereTheyStopped) {
     std::vector<Ray> rays;
     test::Random random(4);
     for (int i = 0; i < 100; ++i) rays.push_back({random.inCube(-1, 1) * vec3(1, 1, 0), 0.0f, vec3(0, 0, 1), 10.0f});
-    for (const char* name : {"brute", "bvh", "kdtree", "bsp"}) {
+    for (const char* name : {"brute", "bvh", "kdtree", "bsp", "octree"}) {
         const Structure structure = structureType(name).build(pile, {});
         const auto device = makeDeviceTracer(*device_, structure);
         const std::vector<Hit> hits = trace(*device, rays);
@@ -136,7 +136,8 @@ TEST_P(EveryDevice, CountsWhatTheCpuCounts) {
     const std::vector<Ray> rays = test::rays(triangles, /* seed= */ 2, /* count= */ 5000);
     std::vector<Hit> hits(rays.size());
     const std::pair<std::string, std::string> walks[] = {{"bvh", "skip"},           {"bvh", "octants"},    {"bvh", "auto"},
-                                                         {"kdtree", "short-stack"}, {"kdtree", "restart"}, {"bsp", "auto"}};
+                                                         {"kdtree", "short-stack"}, {"kdtree", "restart"}, {"bsp", "auto"},
+                                                         {"octree", "auto"}};
     for (const auto& [name, walk] : walks) {
         const Structure structure = structureType(name).build(triangles, {.walk = walk});
         const WalkCounters cpu = makeCpuTracer(structure)->trace(rays, hits, Query::closest).counters;
