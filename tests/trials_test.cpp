@@ -164,7 +164,7 @@ TEST(Choice, CostsAtMostOneAndAHalfTimesTheCheapest) {
 }
 
 Trial costing(const char* name, double tests, const char* trouble = "") {
-    return {.name = name, .trouble = trouble, .structure = {}, .cost = {0.0, tests}};
+    return {.name = name, .trouble = trouble, .structure = {}, .cost = {0.0, tests, 1.0}};
 }
 
 TEST(Choice, PrefersBvhUnlessAnotherIsClearlyCheaper) {

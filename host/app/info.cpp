@@ -113,6 +113,7 @@ Json trialJson(const Trial& trial, const Survey& survey) {
             {"predicted",
              {{"node_visits", trial.cost.nodeVisits},
               {"triangle_tests", trial.cost.triangleTests},
+              {"weight", trial.cost.weight},
               {"cost", trial.cost.total()}}}};
 }
 
@@ -161,7 +162,7 @@ void printStructures(const Survey& survey) {
                    trial.cost.triangleTests, trial.cost.total());
     }
     fmt::print(
-        "visits, tests: of a ray, counted with rays of a picture and their bounces; cost: visits + 2 tests, no time\n");
+        "visits, tests: of a ray, counted with rays of a picture and their bounces; cost: visits + 2 tests, weighted; no time\n");
 }
 
 }  // namespace

@@ -32,12 +32,17 @@ std::vector<Ray> sampleRays(const Scene& scene, const Geometry& geometry, const 
     return rays;
 }
 
+double weightOf(std::string_view structure) {
+    return structure == "bvh" || structure == "brute" ? 1.0 : 2.0;
+}
+
 PredictedCost predict(const Structure& structure, const std::vector<Ray>& rays) {
     if (rays.empty()) return {};
     std::vector<Hit> hits(rays.size());
     const WalkCounters counters = makeCpuTracer(structure)->trace(rays, hits, Query::closest).counters;
     const double count = static_cast<double>(rays.size());
-    return {static_cast<double>(counters.nodeFetches) / count, static_cast<double>(counters.triangleTests) / count};
+    return {static_cast<double>(counters.nodeFetches) / count, static_cast<double>(counters.triangleTests) / count,
+            weightOf(structure.name)};
 }
 
 }  // namespace

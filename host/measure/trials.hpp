@@ -1,11 +1,13 @@
 /// What every structure would cost in a scene, found by building each and walking it with some rays; and which one to take.
 ///
 /// The cost of a ray is predicted as
-///     node visits + 2 x triangle tests
+///     weight x (node visits + 2 x triangle tests)
 /// counted by the CPU's walk and averaged over the sample rays: a picture of 48 x 48 from the scene's first camera (or from
 /// outside, where that one sees little), and the diffuse bounces off what it shows. A unit is one node or cell looked at;
-/// that a triangle's test is worth two of them is what was measured on lavapipe for bvh. Costs compare structures on one
-/// scene. They are no times: a node's bytes, a device's width and its caches are not in them.
+/// that a triangle's test is worth two of them is what was measured on lavapipe for bvh. The weight is 1 for bvh and brute,
+/// and 2 for all others: so much more time than bvh's a unit of kdtree's took there (1.8 to 2.3 on bunny, classroom and
+/// fzk_haus; 1.4 to 1.9 on the CPU), as finding the way from one cell to the next is not counted. Costs compare structures
+/// on one scene. They are no times: a node's bytes, a device's width and its caches are not in them.
 ///
 /// Why not the surface area heuristic's cost: it takes rays to come from everywhere and to pass through what they hit. It
 /// compares trees of one kind well, but not a tree with a grid, and says little of scenes that hide most of themselves.
@@ -21,7 +23,8 @@ namespace raig {
 struct PredictedCost {
     double nodeVisits = 0.0;  ///< of a ray, on average
     double triangleTests = 0.0;
-    double total() const { return nodeVisits + 2.0 * triangleTests; }
+    double weight = 1.0;  ///< of a unit of the structure's work
+    double total() const { return weight * (nodeVisits + 2.0 * triangleTests); }
 };
 
 /// A structure as it was built, or why it was not.
