@@ -31,6 +31,7 @@ public:
             while (!open_.empty() && open_.back().end == i) open_.pop_back();
             const LaidNode node(structure_, octant_, i);
             if (i == 0 && boxes_ && !isBounded(node.extent())) return at(i, "its box is not that of the scene");
+            if (!node.isTame()) return at(i, "its bound has numbers that no bound has");
             if (boxes_ && !open_.empty() && !contains(open_.back().node.extent(), node.extent().lo, node.extent().hi))
                 return at(i, "its box sticks out of its parent's");
             if ((node.word() & leafBit) != 0) {

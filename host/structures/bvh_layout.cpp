@@ -354,6 +354,22 @@ LaidNode::Extent LaidNode::extent() const {
     return result;
 }
 
+bool LaidNode::isTame() const {
+    // The scene's extent is at most 4, so that of what bounds it tightly less than 16; false for NaN.
+    const auto isSmall = [](const vec3& v) { return glm::all(glm::lessThanEqual(glm::abs(v), vec3(16.0f))); };
+    if (header_.walk == shared::WALK_SPHERES) return isSmall(numbers(texels_[0])) && isSmall(vec3(number(texels_[1].x)));
+    bool tame = true;
+    if (header_.walk == shared::WALK_OBBS || header_.walk == shared::WALK_KDOPS)
+        for (int i = 0; i < 4; ++i) tame = tame && isSmall(numbers(texels_[i]));
+    if (header_.walk == shared::WALK_KDOPS) return tame && isSmall(vec3(number(texels_[2].w), number(texels_[3].w), 0.0f));
+    if (header_.walk != shared::WALK_OBBS) return true;
+    for (int i = 0; i < 3; ++i) {
+        const vec3 axis = numbers(texels_[i]);
+        tame = tame && glm::dot(axis, axis) <= 1.0f + 0x1p-16f;
+    }
+    return tame && isSmall(vec3(number(texels_[1].w), number(texels_[2].w), number(texels_[3].w)));
+}
+
 bool LaidNode::holds(const vec3& absolute) const {
     const vec3 point = fromCorner(absolute, header_);
     switch (header_.walk) {

@@ -24,6 +24,8 @@ public:
     uint32_t word() const;
     /// True if the bound holds the point, in the structure's unit, exactly (other bounds than boxes: in double).
     bool holds(const vec3& absolute) const;
+    /// False if a number of another bound than a box is too large, or an axis too long, for the margins of the walk.
+    bool isTame() const;
     struct Extent {
         dvec3 lo, hi;
     };
