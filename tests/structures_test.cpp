@@ -30,6 +30,8 @@ std::string nameOf(const Variant& v) {
     if (p.arity > 0) name += "_arity" + std::to_string(p.arity);
     if (p.maxTreeDepth > 0) name += "_depth" + std::to_string(p.maxTreeDepth);
     if (p.precision > 0) name += "_" + std::to_string(p.precision) + "bit";
+    if (p.levels > 0) name += "_levels" + std::to_string(p.levels);
+    if (p.gridDensity > 0.0f) name += p.gridDensity < 1.0f ? "_sparse" : "_dense";
     if (p.maxLeaf > 0) name += "_leaf" + std::to_string(p.maxLeaf);
     return name;
 }
@@ -57,6 +59,10 @@ std::vector<Variant> variants() {
     result.push_back({"bsp", {.maxLeaf = 1}});
     result.push_back({"bsp", {.maxLeaf = 2, .maxTreeDepth = 64}});
     result.push_back({"bsp", {.maxTreeDepth = 3}});
+    for (const uint32_t levels : {1u, 2u}) {
+        result.push_back({"grid", {.levels = levels}});
+        for (const float density : {0.05f, 30.0f}) result.push_back({"grid", {.gridDensity = density, .levels = levels}});
+    }
     return result;
 }
 

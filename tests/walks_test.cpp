@@ -94,6 +94,7 @@ std::vector<std::pair<std::string, BuildParams>> otherStructures() {
         if (type.name != "brute" && type.name != "bvh") result.push_back({std::string(type.name), {}});
     result.push_back({"kdtree", {.walk = "restart"}});
     for (const char* bound : {"sphere", "obb", "kdop"}) result.push_back({"bvh", {.bound = bound}});
+    result.push_back({"grid", {.levels = 1}});
     return result;
 }
 
@@ -122,7 +123,7 @@ TEST_P(EveryDevice, TakesUpLongWalksWhereTheyStopped) {
     std::vector<Ray> rays;
     test::Random random(4);
     for (int i = 0; i < 100; ++i) rays.push_back({random.inCube(-1, 1) * vec3(1, 1, 0), 0.0f, vec3(0, 0, 1), 10.0f});
-    for (const char* name : {"brute", "bvh", "kdtree", "bsp", "octree"}) {
+    for (const char* name : {"brute", "bvh", "kdtree", "bsp", "octree", "grid"}) {
         const Structure structure = structureType(name).build(pile, {});
         const auto device = makeDeviceTracer(*device_, structure);
         const std::vector<Hit> hits = trace(*device, rays);
@@ -135,11 +136,13 @@ TEST_P(EveryDevice, CountsWhatTheCpuCounts) {
     const std::vector<Triangle> triangles = test::sphere(40, 1.0, dvec3(0), 0.1);
     const std::vector<Ray> rays = test::rays(triangles, /* seed= */ 2, /* count= */ 5000);
     std::vector<Hit> hits(rays.size());
-    const std::pair<std::string, std::string> walks[] = {{"bvh", "skip"},           {"bvh", "octants"},    {"bvh", "auto"},
-                                                         {"kdtree", "short-stack"}, {"kdtree", "restart"}, {"bsp", "auto"},
-                                                         {"octree", "auto"}};
-    for (const auto& [name, walk] : walks) {
-        const Structure structure = structureType(name).build(triangles, {.walk = walk});
+    const std::vector<std::pair<const char*, BuildParams>> structures = {
+        {"bvh", {.walk = "skip"}},       {"bvh", {.walk = "octants"}}, {"bvh", {}},           {"kdtree", {.walk = "short-stack"}},
+        {"kdtree", {.walk = "restart"}}, {"grid", {.levels = 1}},      {"grid", {.levels = 2}},
+        {"bsp", {}},                     {"octree", {}}};
+    for (const auto& [name, params] : structures) {
+        const Structure structure = structureType(name).build(triangles, params);
+        const std::string walk = name + (' ' + structure.walk);
         const WalkCounters cpu = makeCpuTracer(structure)->trace(rays, hits, Query::closest).counters;
         const WalkCounters device =
             makeDeviceTracer(*device_, structure, /* counting= */ true)->trace(rays, hits, Query::closest).counters;
@@ -174,7 +177,7 @@ TEST_P(EveryDevice, WalksRealScenesAsTheCpuAndBruteForceDo) {
         const std::vector<Hit> want = trace(*makeCpuTracer(structure), rays);
         expectSame(trace(*makeDeviceTracer(*device_, structure), rays), want, rays, file);
         for (const auto& [name, params] : otherStructures()) {
-            if (params.walk != "auto" || !params.bound.empty()) continue;
+            if (params.walk != "auto" || !params.bound.empty() || params.levels == 1) continue;
             const Structure other = structureType(name).build(triangles, params);
             EXPECT_EQ(structureType(name).findFault(other, triangles), std::nullopt) << file << ' ' << name;
             expectSame(trace(*makeDeviceTracer(*device_, other), rays), want, rays, std::string(file) + ' ' + name);

@@ -1,0 +1,230 @@
+#include "structures/grid.hpp"
+#include "structures/grid_shape.hpp"
+
+#include <bit>
+
+#include <fmt/format.h>
+
+namespace raig::grid {
+
+namespace {
+
+using Fault = std::optional<std::string>;
+
+/// The rays that the near walk takes may be misplaced by 67/80 of the margin: triangles that come nearer to a cell must be
+/// in its list. Farther than the margin, and something for rounding, they must not.
+constexpr double leastMargin = 67.0 / 80.0, mostMargin = 1.0 + 0x1p-20;
+
+uint32_t wordAt(const Structure& structure, uint64_t index) {
+    return structure.nodes[index / 4][static_cast<int>(index % 4)];
+}
+
+/// True if something of the triangle lies in the box: cut by its six half-spaces in turn. Sutherland, Hodgman 1974,
+/// "Reentrant Polygon Clipping".
+bool comesInto(const Triangle& t, const dvec3& lo, const dvec3& hi) {
+    std::array<dvec3, 9> polygon = {dvec3(t.a), dvec3(t.b), dvec3(t.c)};
+    size_t count = 3;
+    for (int side = 0; side < 6 && count > 0; ++side) {
+        const int axis = side / 2;
+        const auto depth = [&](const dvec3& p) { return side % 2 == 0 ? p[axis] - lo[axis] : hi[axis] - p[axis]; };
+        std::array<dvec3, 9> kept;
+        size_t keptCount = 0;
+        for (size_t i = 0; i < count; ++i) {
+            const dvec3 &from = polygon[i], &to = polygon[(i + 1) % count];
+            const double d0 = depth(from), d1 = depth(to);
+            if (d0 >= 0.0) kept[keptCount++] = from;
+            if ((d0 < 0.0) != (d1 < 0.0)) kept[keptCount++] = from + d0 / (d0 - d1) * (to - from);
+        }
+        polygon = kept;
+        count = keptCount;
+    }
+    return count > 0;
+}
+
+Fault findReferenceFault(const Structure& structure, std::span<const Triangle> triangles) {
+    std::vector<uint8_t> present(triangles.size());
+    for (uint32_t i = 0; i < structure.header.triangleCount; ++i) {
+        const uint32_t id = referencedId(structure, i);
+        if (id >= triangles.size()) return fmt::format("reference {} names a triangle that is not there", i);
+        if (++present[id] != 1) return fmt::format("triangle {} lies in memory twice", id);
+        if (!refersTo(structure, i, triangles[id]))
+            return fmt::format("reference {} has other corners than triangle {}", i, id);
+    }
+    for (size_t id = 0; id < triangles.size(); ++id)
+        if ((present[id] != 0) != triangles[id].usable()) return fmt::format("triangle {} is missing, or unusable", id);
+    return std::nullopt;
+}
+
+/// Planes as the walk computes them are those of exact arithmetic, and hold the bounds and the margin between them.
+Fault findPlaneFault(const Structure& structure, const Shape& shape) {
+    const StructureHeader& header = structure.header;
+    const Lattice& cells = shape.cells;
+    if (!(cells.margin > 0.0)) return "the margin is not positive";
+    for (int axis = 0; axis < 3; ++axis) {
+        const uint32_t count = cells.count[axis], finest = header.walk == 0 ? 0 : shape.finest[axis];
+        if (count < 1 || count > mostCells) return fmt::format("{} cells along axis {}", count, axis);
+        if (finest > fineLog) return fmt::format("cells may have 2^{} parts along axis {}", finest, axis);
+        const float step = std::ldexp(header.gridStep[axis], -static_cast<int>(finest));
+        if (finest > 0 && step < 4.0 * cells.margin)
+            return fmt::format("parts are too thin for the margin along axis {}", axis);
+        for (uint32_t k = 0; k <= count << finest; ++k) {
+            const float plane = header.gridOrigin[axis] + static_cast<float>(k) * step;
+            if (plane != cells.origin[axis] + double(k) * double(step))
+                return fmt::format("plane {} of axis {} is rounded", k, axis);
+        }
+        if (!(step > 0.0f)) return fmt::format("planes of axis {} do not increase", axis);
+        if (cells.origin[axis] > header.lo[axis] - cells.margin ||
+            cells.plane(cells.count)[axis] < header.hi[axis] + cells.margin)
+            return fmt::format("the scene or its margin sticks out of the grid along axis {}", axis);
+    }
+    return std::nullopt;
+}
+
+/// Checks the cells of a lattice, the first of which is word `first`, against the triangles that may come near them.
+class LatticeChecker {
+public:
+    LatticeChecker(const Structure& structure, const Lattice& lattice, uint64_t first)
+        : structure_(structure), lattice_(lattice), first_(first) {}
+
+    /// `members`: numbers of triangles; all those that come near any of the cells.
+    Fault findFault(std::span<const uint32_t> members) const {
+        for (size_t cell = 0; cell < lattice_.cells(); ++cell)
+            if (Fault fault = findListFault(cell)) return fault;
+        for (const uint32_t member : members)
+            if (Fault fault = findMissing(member)) return fault;
+        return std::nullopt;
+    }
+
+    /// The list of a cell, or its own list if it is crowded. Requires that there is no fault in it.
+    std::vector<uint32_t> list(size_t cell) const {
+        std::vector<uint32_t> result;
+        const uint32_t word = listWord(cell);
+        if (word == 0) return result;
+        for (uint64_t at = listsBegin() + word - 1;; ++at) {
+            result.push_back(wordAt(structure_, at) & ~lastBit);
+            if ((wordAt(structure_, at) & lastBit) != 0) return result;
+        }
+    }
+
+    uint32_t listWord(size_t cell) const {
+        const uint32_t word = wordAt(structure_, first_ + cell);
+        return (word & crowdedBit) == 0 ? word : wordAt(structure_, (word & 0x0fffffffu) * uint64_t{8});
+    }
+
+private:
+    std::string at(size_t cell, std::string_view what) const {
+        return fmt::format("cell {} of those from word {} on: {}", cell, first_, what);
+    }
+    uint64_t listsBegin() const { return uint64_t{structure_.nodes[1].x} * 4; }
+
+    Fault findListFault(size_t cell) const {
+        const uint32_t word = wordAt(structure_, first_ + cell);
+        if ((word & crowdedBit) != 0 && (word & 0x0fffffffu) * uint64_t{8} + firstCell >= listsBegin())
+            return at(cell, "its parts lie beyond the cells");
+        const uint32_t begin = listWord(cell), words = structure_.nodes[1].y;
+        const dvec3 lo = lattice_.plane(placeOf(cell)) - lattice_.margin * mostMargin;
+        const dvec3 hi = lattice_.plane(placeOf(cell) + 1u) + lattice_.margin * mostMargin;
+        uint32_t previous = 0;
+        for (uint64_t i = begin; i > 0; ++i) {
+            if (i > words) return at(cell, "its list does not end");
+            const uint32_t reference = wordAt(structure_, listsBegin() + i - 1), number = reference & ~lastBit;
+            if (number >= structure_.header.triangleCount) return at(cell, "it lists a triangle that is not there");
+            if (i > begin && number <= previous) return at(cell, "its list is not in order");
+            const Box box = referencedTriangle(structure_, number).box();
+            if (glm::any(glm::lessThan(dvec3(box.hi), lo)) || glm::any(glm::lessThan(hi, dvec3(box.lo))))
+                return at(cell, fmt::format("it lists triangle {}, which is not there", number));
+            previous = number;
+            if ((reference & lastBit) != 0) break;
+        }
+        return std::nullopt;
+    }
+
+    uvec3 placeOf(size_t cell) const {
+        const uvec3 n = lattice_.count;
+        return {cell % n.x, cell / n.x % n.y, cell / n.x / n.y};
+    }
+
+    Fault findMissing(uint32_t member) const {
+        const Triangle triangle = referencedTriangle(structure_, member);
+        const Box box = triangle.box();
+        const double margin = leastMargin * lattice_.margin;
+        const dvec3 most = dvec3(lattice_.count) - 1.0;
+        const uvec3 from(glm::clamp(glm::floor((dvec3(box.lo) - margin - lattice_.origin) / lattice_.step), dvec3(0), most));
+        const uvec3 to(glm::clamp(glm::floor((dvec3(box.hi) + margin - lattice_.origin) / lattice_.step), dvec3(0), most));
+        for (uint32_t z = from.z; z <= to.z; ++z)
+            for (uint32_t y = from.y; y <= to.y; ++y)
+                for (uint32_t x = from.x; x <= to.x; ++x) {
+                    const uvec3 place(x, y, z);
+                    if (!comesInto(triangle, lattice_.plane(place) - margin, lattice_.plane(place + 1u) + margin)) continue;
+                    if (!lists(lattice_.index(place), member))
+                        return at(lattice_.index(place), fmt::format("it does not list triangle {}", member));
+                }
+        return std::nullopt;
+    }
+
+    /// Lists are short where it matters; long ones are searched by halves, as they are in order.
+    bool lists(size_t cell, uint32_t member) const {
+        const uint32_t begin = listWord(cell);
+        if (begin == 0) return false;
+        uint64_t at = listsBegin() + begin - 1;
+        for (;; ++at) {
+            const uint32_t reference = wordAt(structure_, at);
+            if ((reference & ~lastBit) >= member) return (reference & ~lastBit) == member;
+            if ((reference & lastBit) != 0) return false;
+        }
+    }
+
+    const Structure& structure_;
+    const Lattice& lattice_;
+    uint64_t first_;
+};
+
+/// Crowded cells' parts follow each other without overlapping, and hold what their cell does.
+Fault findPartFault(const Structure& structure, const Shape& shape, const LatticeChecker& cells) {
+    const uvec3 n = shape.cells.count;
+    std::vector<std::pair<uint64_t, uint64_t>> taken;  // words
+    for (size_t cell = 0; cell < shape.cells.cells(); ++cell) {
+        const uint32_t word = wordAt(structure, firstCell + cell);
+        if ((word & crowdedBit) == 0) continue;
+        const uint32_t wanted = word >> 28 & 7;
+        if (structure.header.walk == 0 || wanted == 0 || wanted > fineLog)
+            return fmt::format("cell {} is divided as it may not be", cell);
+        const Lattice parts = shape.parts(uvec3(cell % n.x, cell / n.x % n.y, cell / n.x / n.y), wanted);
+        const uint64_t begin = (word & 0x0fffffffu) * uint64_t{8}, end = begin + firstCell + parts.cells();
+        if (begin < firstCell + shape.cells.cells() || end > uint64_t{structure.nodes[1].x} * 4)
+            return fmt::format("cell {}: its parts lie outside", cell);
+        taken.emplace_back(begin, end);
+        const LatticeChecker checker(structure, parts, begin + firstCell);
+        for (size_t part = 0; part < parts.cells(); ++part)
+            if ((wordAt(structure, begin + firstCell + part) & crowdedBit) != 0)
+                return fmt::format("cell {}: part {} is divided again", cell, part);
+        if (Fault fault = checker.findFault(cells.list(cell))) return fault;
+    }
+    std::sort(taken.begin(), taken.end());
+    for (size_t i = 1; i < taken.size(); ++i)
+        if (taken[i].first < taken[i - 1].second) return "the parts of two cells overlap";
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string> findFault(const Structure& structure, std::span<const Triangle> triangles) {
+    const StructureHeader& header = structure.header;
+    if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
+        return "triangle count and array differ";
+    if (auto fault = findReferenceFault(structure, triangles)) return fault;
+    if (header.triangleCount == 0) return structure.nodes.empty() ? Fault() : "nodes without triangles";
+    if (structure.nodes.size() < 4 || header.walk > 1) return "there is no grid";
+    const Shape shape = shapeOf(structure);
+    if (Fault fault = findPlaneFault(structure, shape)) return fault;
+    const uint64_t cellsEnd = firstCell + shape.cells.cells(), listsBegin = uint64_t{structure.nodes[1].x} * 4;
+    if (cellsEnd > listsBegin || (listsBegin + structure.nodes[1].y + 3) / 4 != structure.nodes.size())
+        return "cells, lists and the array of nodes differ in size";
+    std::vector<uint32_t> all(header.triangleCount);
+    for (uint32_t i = 0; i < header.triangleCount; ++i) all[i] = i;
+    const LatticeChecker cells(structure, shape.cells, firstCell);
+    if (Fault fault = cells.findFault(all)) return fault;
+    return findPartFault(structure, shape, cells);
+}
+
+}  // namespace raig::grid

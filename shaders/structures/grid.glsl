@@ -1,0 +1,292 @@
+// Finds the closest triangle that `ray` hits, walking a uniform grid from cell to cell; at two levels, crowded cells hold a
+// grid of their own.
+//
+// nodes[0]: cells along x, y, z, and the margin's bits. nodes[1]: where reference lists begin (which uvec4), how many words
+// they are, how finely each axis divides (shift | most << 4, eight bits an axis), 0. Then words, four to a uvec4:
+//   a cell       0: nothing in it; or 1 + the first word of its list; or CROWDED | log2 of the parts along an axis << 28 | its
+//                parts: 1/8 of the number of the word that holds its own list as above, eight words before its first part
+//   a reference  the number of a triangle; LAST with the last one of a list
+//
+// Plane k of the grid lies at gridOrigin + k * gridStep, and so do those between (k is a fraction then): exactly, as the
+// builder has chosen them. A cell holds all triangles that come within `margin` of it.
+//
+// A step   goes to the neighbour behind the nearest of the three planes ahead, along exactly one axis; distances to planes
+//          come from their numbers, not from each other. Rounded, they still never decrease from plane to plane. So for
+//          every distance t from the grid's near side to its far side the walk meets a cell, neither skipped nor repeated, of
+//          which (as rounded) no plane ahead is nearer than t and none behind is farther. The point at t then lies within
+//          3 u M of that cell, and a triangle hit at t within SLACK of the point, so within 67 u M of the cell: it is in the
+//          cell's list if 67 u M <= margin. And it is in the list of a cell met so far if t <= the distance to the nearest
+//          plane ahead: this ends the walk, at equality, too.
+// Far off  a ray with 80 u M > margin walks slice by slice instead, along its main axis: it visits all cells of a slice within
+//          80 u M of where it passes the slice. Where that is the whole grid, it tries every triangle.
+//
+// Requires  nodes[] and triangles[] as built by host/structures/grid.cpp for header.walk: how many levels, less one.
+// Ensures   as every walk (shaders/trace.glsl).
+// Cost      Near: a walk meets at most one cell more than it passes planes. Links of a damaged structure cannot make it loop:
+//           indices of cells only move on, and lists end where all lists do.
+// Source    Amanatides, Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing", without its sums; two levels: Kalojanov,
+//           Billeter, Slusallek 2011, "Two-Level Grids for Ray Tracing on GPUs".
+
+CONSTANT uint CROWDED = 0x80000000u;
+CONSTANT uint LAST = 0x80000000u;
+CONSTANT uint FINE_LOG = 5u;  // planes are numbered in 32nds of a cell, where cells may have parts
+CONSTANT uint FIRST_CELL = 8u;
+
+// Where a walk stands. Near: at.x and at.y hold the division's first plane along each axis (15 bits each) and what follows;
+// at.z: 0, or 1 + the next reference to test; at.w: 0, or the word of the crowded cell that the division is a part of.
+// Far off: at.x: slices done; at.y: cells of the slice done, or DONE; at.z: as above, or triangles done.
+CONSTANT uint SEEN = 0x20000000u;  // the division has been looked at (and, if at.z == 0, its list has been tested)
+CONSTANT uint STARTED = 0x40000000u;
+CONSTANT uint DONE = 0x80000000u;
+
+// A ray's relation to the grid.
+struct GridRay {
+    uvec3 cells;
+    uvec3 ahead;       // 1 where the ray goes towards higher numbers, else 0
+    vec3 fineStep;     // from plane to plane, the finest
+    vec3 fineInverse;  // 1 / that
+    vec3 direction;
+    vec3 toOrigin;     // the ray's, from the grid's
+    uint lists;
+    uint listWords;
+    uint divisions;
+    float slack;       // 80 u M
+    float begin;       // where the walk begins, and if it does
+    bool meets;
+    bool isFar;
+};
+
+// A cell, or a part of one, and what is to be done there.
+struct Division {
+    uvec3 first;     // its lower planes, in the finest division
+    uvec3 sizeLogs;  // log2 of how many of those it spans
+    uint crowd;      // at.w
+    uint list;       // at.z
+    bool seen;
+    bool done;
+};
+
+vec3 floats(uvec3 v) { return vec3(float(int(v.x)), float(int(v.y)), float(int(v.z))); }
+
+uint lane(uvec4 v, uint i) { return (i & 2u) == 0u ? ((i & 1u) == 0u ? v.x : v.y) : ((i & 1u) == 0u ? v.z : v.w); }
+
+uint wordAt(uint i) { return lane(nodes_at(i >> 2), i); }
+
+uint fineLog() { return WALK == 0u ? 0u : FINE_LOG; }
+
+// Distances to one plane an axis, by their numbers in the finest division. Exact up to the difference.
+vec3 planeDistances(WalkRay ray, GridRay grid, uvec3 fine) {
+    precise vec3 plane = header.gridOrigin + floats(fine) * grid.fineStep;
+    precise vec3 distance = (plane - ray.origin) * ray.inverse;
+    return distance;
+}
+
+float leastOf(vec3 v) { return v.x <= v.y && v.x <= v.z ? v.x : (v.y <= v.z ? v.y : v.z); }
+
+float mostOf(vec3 v) { return v.x >= v.y && v.x >= v.z ? v.x : (v.y >= v.z ? v.y : v.z); }
+
+GridRay prepareGrid(WalkRay ray) {
+    GridRay g;
+    uvec4 shape = nodes_at(0u);
+    uvec4 lists = nodes_at(1u);
+    g.cells = uvec3(shape.x, shape.y, shape.z);
+    g.lists = lists.x;
+    g.listWords = lists.y;
+    g.divisions = lists.z;
+    g.slack = ray.tolerance * 5.0f;
+    g.isFar = g.slack > uintBitsToFloat(shape.w);
+    uint behind = octantOf(ray);
+    g.ahead = uvec3(1u - (behind & 1u), 1u - ((behind >> 1) & 1u), 1u - (behind >> 2));
+    g.fineStep = WALK == 0u ? header.gridStep : header.gridStep * 0.03125f;
+    g.fineInverse = vec3(1.0f) / g.fineStep;
+    precise vec3 direction = vec3(1.0f / ray.inverse.x, 1.0f / ray.inverse.y, 1.0f / ray.inverse.z);
+    precise vec3 toOrigin = ray.origin - header.gridOrigin;
+    g.direction = direction;
+    g.toOrigin = toOrigin;
+    uvec3 whole = g.cells << fineLog();
+    vec3 enter = planeDistances(ray, g, whole * (uvec3(1u) - g.ahead));
+    vec3 leave = planeDistances(ray, g, whole * g.ahead);
+    float first = mostOf(enter);
+    float last = leastOf(leave);
+    g.begin = first > ray.tMin ? first : ray.tMin;
+    g.meets = g.begin <= (last < ray.tMax ? last : ray.tMax);
+    return g;
+}
+
+// The lower planes of that of `count` divisions from plane `first` on, 2^sizeLogs finest planes long, in which the ray is at
+// distance t as the walk has it: none of the planes behind is farther than t. Requires that t lies between the distances to
+// the first and the last plane. The point at t is wrong by 9 u M at most, and its number by 2^-8: less than a division, so that
+// one correction is enough.
+uvec3 divisionAt(WalkRay ray, GridRay grid, uvec3 first, uvec3 sizeLogs, uvec3 count, float t) {
+    precise vec3 point = grid.toOrigin + t * grid.direction;
+    precise vec3 fine = point * grid.fineInverse - floats(first);
+    vec3 last = floats((count << sizeLogs) - uvec3(1u));
+    fine = vec3(fine.x > 0.0f ? fine.x : 0.0f, fine.y > 0.0f ? fine.y : 0.0f, fine.z > 0.0f ? fine.z : 0.0f);
+    fine = vec3(fine.x < last.x ? fine.x : last.x, fine.y < last.y ? fine.y : last.y, fine.z < last.z ? fine.z : last.z);
+    uvec3 number = uvec3(uint(int(fine.x)), uint(int(fine.y)), uint(int(fine.z))) >> sizeLogs;
+    vec3 enter = planeDistances(ray, grid, first + ((number + uvec3(1u) - grid.ahead) << sizeLogs));
+    // One back, unless it is the first one the ray meets.
+    uvec3 back = uvec3(grid.ahead.x == 1u ? max(number.x, 1u) - 1u : min(number.x + 1u, count.x - 1u),
+                       grid.ahead.y == 1u ? max(number.y, 1u) - 1u : min(number.y + 1u, count.y - 1u),
+                       grid.ahead.z == 1u ? max(number.z, 1u) - 1u : min(number.z + 1u, count.z - 1u));
+    number = uvec3(enter.x > t ? back.x : number.x, enter.y > t ? back.y : number.y, enter.z > t ? back.z : number.z);
+    return first + (number << sizeLogs);
+}
+
+// log2 of the finest planes that a part of a crowded cell spans, an axis.
+uvec3 partSizeLogs(GridRay grid, uint word) {
+    int wanted = int((word >> 28) & 7u);
+    int x = min(wanted - int(grid.divisions & 15u), int((grid.divisions >> 4) & 15u));
+    int y = min(wanted - int((grid.divisions >> 8) & 15u), int((grid.divisions >> 12) & 15u));
+    int z = min(wanted - int((grid.divisions >> 16) & 15u), int((grid.divisions >> 20) & 15u));
+    return uvec3(FINE_LOG - uint(max(x, 0)), FINE_LOG - uint(max(y, 0)), FINE_LOG - uint(max(z, 0)));
+}
+
+// The number of the word that tells what is in the division.
+uint placeOf(GridRay grid, Division d) {
+    if (WALK == 0u) return FIRST_CELL + d.first.x + grid.cells.x * (d.first.y + grid.cells.y * d.first.z);
+    uvec3 cell = d.first >> FINE_LOG;
+    uvec3 part = (d.first & uvec3((1u << FINE_LOG) - 1u)) >> d.sizeLogs;
+    uint inCell = part.x + ((part.y + (part.z << (FINE_LOG - d.sizeLogs.y))) << (FINE_LOG - d.sizeLogs.x));
+    uint inGrid = cell.x + grid.cells.x * (cell.y + grid.cells.y * cell.z);
+    uint place = FIRST_CELL + (d.crowd != 0u ? (d.crowd & 0x0fffffffu) * 8u + inCell : inGrid);
+    return min(place, (grid.lists << 2) - 1u);
+}
+
+// Goes on to the next division, if the present one has been seen, and looks up what is in it. Requires d.list == 0 and not
+// d.done.
+void stepDivision(WalkRay ray, GridRay grid, float tMax, INOUT(Division) d) {
+    vec3 leave = planeDistances(ray, grid, d.first + (grid.ahead << d.sizeLogs));
+    bool alongX = leave.x <= leave.y && leave.x <= leave.z;
+    bool alongY = !alongX && leave.y <= leave.z;
+    float t = alongX ? leave.x : (alongY ? leave.y : leave.z);
+    uvec3 move = uvec3(alongX ? 1u : 0u, alongY ? 1u : 0u, alongX || alongY ? 0u : 1u);
+    move = (move * (grid.ahead * 2u - uvec3(1u))) << d.sizeLogs;  // backwards it wraps around, and out of the grid, too
+    uvec3 next = d.seen ? d.first + move : d.first;
+    uvec3 cell = next >> fineLog();
+    uvec3 present = d.first >> fineLog();
+    bool outside = cell.x >= grid.cells.x || cell.y >= grid.cells.y || cell.z >= grid.cells.z;
+    if (outside || (d.seen && tMax <= t)) {
+        d.done = true;
+        return;
+    }
+    bool stays = WALK != 0u && d.crowd != 0u && cell.x == present.x && cell.y == present.y && cell.z == present.z;
+    if (WALK != 0u && !stays) {
+        next = cell << FINE_LOG;
+        d.sizeLogs = uvec3(FINE_LOG);
+        d.crowd = 0u;
+    }
+    d.first = next;
+    uint word = wordAt(placeOf(grid, d));
+    COUNT_NODE(true)
+    bool crowded = WALK != 0u && !stays && (word & CROWDED) != 0u;
+    if (crowded) {
+        t = d.seen ? t : grid.begin;
+        d.sizeLogs = partSizeLogs(grid, word);
+        d.first = divisionAt(ray, grid, next, d.sizeLogs, uvec3(1u) << (uvec3(FINE_LOG) - d.sizeLogs), t);
+        d.crowd = word;
+    }
+    d.list = crowded ? 0u : word;
+    d.seen = !crowded;
+}
+
+// Tests reference `list` - 1, goes on to the next one of its list or, after the last, to 0, and says if it was hit.
+bool stepList(WalkRay ray, GridRay grid, INOUT(uint) list, INOUT(Hit) best) {
+    uint place = list - 1u;
+    uint word = place < grid.listWords ? wordAt((grid.lists << 2) + place) : LAST;
+    list = (word & LAST) != 0u ? 0u : list + 1u;
+    return testTriangle(ray, min(word & ~LAST, header.triangleCount - 1u), best);
+}
+
+// Which cells a far ray must visit in slice `slice` of its main axis: from `lo` for `size` cells; none has size 0.
+// Returns the distance before which it cannot meet what is in the slice.
+float sliceCells(WalkRay ray, GridRay grid, uint slice, INOUT(uvec3) lo, INOUT(uvec3) size) {
+    bool isX = ray.axisZ == 0u;
+    bool isY = ray.axisZ == 1u;
+    uint forwards = isX ? grid.ahead.x : (isY ? grid.ahead.y : grid.ahead.z);
+    uint count = isX ? grid.cells.x : (isY ? grid.cells.y : grid.cells.z);
+    uint number = forwards == 1u ? slice : count - 1u - slice;
+    vec3 enters = planeDistances(ray, grid, (uvec3(number) + uvec3(1u) - grid.ahead) << fineLog());
+    vec3 leaves = planeDistances(ray, grid, (uvec3(number) + grid.ahead) << fineLog());
+    precise vec3 reach = vec3(abs(ray.inverse.x), abs(ray.inverse.y), abs(ray.inverse.z)) * grid.slack;
+    precise vec3 enter = enters - reach;
+    precise vec3 leave = leaves + reach;
+    float first = isX ? enter.x : (isY ? enter.y : enter.z);
+    float last = isX ? leave.x : (isY ? leave.y : leave.z);
+
+    precise vec3 a = grid.toOrigin + first * grid.direction;
+    precise vec3 b = grid.toOrigin + last * grid.direction;
+    precise vec3 low = (min(a, b) - vec3(grid.slack)) / header.gridStep;
+    precise vec3 high = (max(a, b) + vec3(grid.slack)) / header.gridStep;
+    vec3 cells = floats(grid.cells);
+    low = max(min(floor(low), cells), vec3(0.0f));
+    high = max(min(floor(high) + vec3(1.0f), cells), low);
+    high = last < ray.tMin ? low : high;
+    lo = uvec3(isX ? number : uint(int(low.x)), isY ? number : uint(int(low.y)), isX || isY ? uint(int(low.z)) : number);
+    size = uvec3(isX ? 1u : uint(int(high.x - low.x)), isY ? 1u : uint(int(high.y - low.y)),
+                 isX || isY ? uint(int(high.z - low.z)) : 1u);
+    return first;
+}
+
+// One cell, or one triangle, of a walk from far off.
+void stepFar(WalkRay ray, GridRay grid, INOUT(uvec4) at, INOUT(Hit) best) {
+    vec3 extent = header.hi - header.lo;
+    if (grid.slack * 4.0f >= mostOf(extent)) {
+        bool hit = testTriangle(ray, at.z, best);
+        at.z += 1u;
+        at.y = at.z >= header.triangleCount || (ANY_HIT && hit) ? DONE : STARTED;
+        return;
+    }
+    if (at.z != 0u) {
+        bool hit = stepList(ray, grid, at.z, best);
+        if (ANY_HIT && hit) at.y = DONE;
+        return;
+    }
+    uvec3 lo = uvec3(0u);
+    uvec3 size = uvec3(0u);
+    uint slices = ray.axisZ == 0u ? grid.cells.x : (ray.axisZ == 1u ? grid.cells.y : grid.cells.z);
+    bool none = at.x >= slices;
+    float first = sliceCells(ray, grid, none ? 0u : at.x, lo, size);
+    if (none || first > best.t) {
+        at = uvec4(0u, DONE, 0u, 0u);
+        return;
+    }
+    uint count = size.x * size.y * size.z;
+    if (at.y >= count) {
+        at = uvec4(at.x + 1u, 0u, 0u, 0u);
+        return;
+    }
+    size = max(size, uvec3(1u));
+    uvec3 cell = lo + uvec3(at.y % size.x, (at.y / size.x) % size.y, at.y / (size.x * size.y));
+    uint word = wordAt(FIRST_CELL + cell.x + grid.cells.x * (cell.y + grid.cells.y * cell.z));
+    COUNT_NODE(true)
+    if (WALK != 0u && (word & CROWDED) != 0u) word = wordAt(min((word & 0x0fffffffu) * 8u, (grid.lists << 2) - 1u));
+    at.y += 1u;
+    at.z = word;
+}
+
+void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
+    GridRay grid = prepareGrid(ray);
+    Division d;
+    d.first = uvec3(at.x & 0x7fffu, at.x >> 16, at.y & 0x7fffu);
+    d.crowd = at.w;
+    d.sizeLogs = WALK != 0u && at.w != 0u ? partSizeLogs(grid, at.w) : uvec3(fineLog());
+    d.list = at.z;
+    d.seen = (at.y & SEEN) != 0u;
+    d.done = grid.isFar || (at.y == 0u && !grid.meets);
+    if (!d.done && at.y == 0u) d.first = divisionAt(ray, grid, uvec3(0u), d.sizeLogs, grid.cells, grid.begin);
+    for (uint step = 0u; !d.done && step < maxSteps; ++step) {
+        if (d.list == 0u) stepDivision(ray, grid, best.t, d);
+        if (d.list == 0u && !d.done) stepDivision(ray, grid, best.t, d);
+        if (d.list != 0u) {
+            bool hit = stepList(ray, grid, d.list, best);
+            d.done = ANY_HIT && hit;
+        }
+    }
+    uint state = d.first.z | STARTED | (d.seen ? SEEN : 0u);
+    if (!grid.isFar) at = d.done ? uvec4(0u, DONE, 0u, 0u) : uvec4(d.first.x | (d.first.y << 16), state, d.list, d.crowd);
+
+    for (uint step = 0u; grid.isFar && at.y < DONE && step < maxSteps; ++step) stepFar(ray, grid, at, best);
+}
+
+bool isDone(uvec4 at) { return at.y == DONE; }
