@@ -34,6 +34,7 @@ int runCommand(const Options& options) {
         case Command::render: return render(options);
         case Command::trace: return trace(options);
         case Command::compare: return compare(options);
+        case Command::bench: return bench(options);
         case Command::info: return info(options);
         case Command::devices: return devices(options);
     }

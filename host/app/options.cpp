@@ -21,7 +21,7 @@ const std::vector<std::string> structureNames = {
 #define RAIG_STRUCTURE(name) #name,
 #include "structures/registry.def"
 #undef RAIG_STRUCTURE
-    "auto"};
+};
 
 /// The whole text as one number, or nothing. No blanks, no plus sign, no trailing characters.
 template <class Number>
@@ -82,15 +82,18 @@ void addMemoryBudget(CLI::App& app, Options& options) {
         ->type_name("MIB");
 }
 
-void addStructure(CLI::App& app, Options& options) {
-    const auto parse = [&options](const std::string& text) {
-        if (std::find(structureNames.begin(), structureNames.end(), text) == structureNames.end())
-            throw usageError("--accel {}: there is no such structure; there are {}", text, fmt::join(structureNames, ", "));
+/// `more` stands for other than one structure: auto, or all.
+void addStructure(CLI::App& app, Options& options, const std::string& more = "auto, which tries all") {
+    const std::string moreName = more.substr(0, more.find(','));
+    const auto parse = [&options, moreName](const std::string& text) {
+        if (text != moreName && std::find(structureNames.begin(), structureNames.end(), text) == structureNames.end())
+            throw usageError("--accel {}: there is no such structure; there are {}, {}", text, fmt::join(structureNames, ", "),
+                             moreName);
         options.accel = text;
         options.accelGiven = true;
     };
     app.add_option_function<std::string>(
-           "--accel", parse, fmt::format("acceleration structure: {}, which tries all (default: bvh)", fmt::join(structureNames, ", ")))
+           "--accel", parse, fmt::format("acceleration structure: {}, {} (default: bvh)", fmt::join(structureNames, ", "), more))
         ->type_name("NAME");
     BuildParams& params = options.buildParams;
     app.add_option("--walk", params.walk, "how the structure is walked (default: auto, the fastest measured)")
@@ -217,6 +220,31 @@ void addCompare(CLI::App& app, Options& options) {
                    "Exits with 1 if what is compared differs by more than the accuracy contract allows.");
 }
 
+void addBench(CLI::App& app, Options& options) {
+    CLI::App& command = *app.add_subcommand("bench", "Measure the speed of structures, side by side with Embree");
+    command.callback([&options] { options.command = Command::bench; });
+    const auto append = [&options](const std::vector<std::string>& files) {
+        options.inputs.assign(files.begin(), files.end());
+    };
+    command.add_option_function<std::vector<std::string>>("scenes", append, ".gltf, .glb, .obj, .ply or .stl files")
+        ->type_name("FILE")->required();
+    addStructure(command, options, "all, which are all but brute");
+    const auto parseSide = [&options](const std::string& text) {
+        const std::optional<uint32_t> side = wholeNumber(text, 8, 8192);
+        if (!side || *side % 8 != 0) throw usageError("--side {}: a multiple of 8 from 8 to 8192 is wanted", text);
+        options.side = *side;
+    };
+    command.add_option_function<std::string>("--side", parseSide, "of the picture whose rays are traced (default: 1024)")
+        ->type_name("N");
+    addWholeNumber(command, "--repeat", options.repetitions, 1, 1000, "how often each measurement is made (default: 7)");
+    addCommon(command, options);
+    command.footer("Examples:\n"
+                   "  raig bench bunny.ply\n"
+                   "  raig bench bunny.ply room.glb --accel all --threads 2 --json\n"
+                   "Rays: primary, shadow, diffuse and specular, of a three-quarter view of the whole scene. Each measurement is\n"
+                   "made in turn with Embree's, where raig was built with it: medians and quartiles of the pairs are told.");
+}
+
 void addInfo(CLI::App& app, Options& options) {
     CLI::App& command = *app.add_subcommand("info", "Tell what a scene holds and what each structure would cost in it");
     command.callback([&options] { options.command = Command::info; });
@@ -240,7 +268,7 @@ Error explained(const CLI::App& app, const CLI::ParseError& error, int argc, con
     const std::vector<const CLI::App*> chosen = app.get_subcommands([](const CLI::App* sub) { return sub->parsed(); });
     if (!chosen.empty()) return usageError("{}; see raig {} --help", error.what(), chosen.front()->get_name());
     const char* const* word = std::find_if(argv + 1, argv + argc, [](std::string_view text) { return !text.starts_with('-'); });
-    const char* const commands = "render, trace, compare, info and devices; see raig --help";
+    const char* const commands = "render, trace, compare, bench, info and devices; see raig --help";
     if (word == argv + argc && argc > 1) return usageError("{}: the commands are {}", error.what(), commands);
     if (word == argv + argc) return usageError("a command is wanted; there are {}", commands);
     return usageError("there is no command {}; there are {}", *word, commands);
@@ -271,6 +299,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     addRender(app, options);
     addTrace(app, options);
     addCompare(app, options);
+    addBench(app, options);
     addInfo(app, options);
     addDevices(app, options);
     try {

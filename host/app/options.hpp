@@ -12,7 +12,7 @@
 
 namespace raig {
 
-enum class Command { render, trace, compare, info, devices };
+enum class Command { render, trace, compare, bench, info, devices };
 
 /// All options of all commands; each command reads its own and finds the defaults in the rest. Choices that only a part of
 /// the program knows (structures, walks, builders, devices, cameras) stay names, checked by that part with a usageError.
@@ -44,6 +44,10 @@ struct Options {
     uint32_t maxDepth = 8;                 ///< NIVELL_MAX: levels of reflection and refraction below the primary ray
     double minContribution = 1.0 / 512.0;  ///< MIN_CONTRIB: no ray that contributes less is traced
     uint32_t samples = 0;                  ///< a pixel; 0: the command's own default
+
+    // bench.
+    uint32_t side = 1024;       ///< of the square picture whose rays are traced; a multiple of 8
+    uint32_t repetitions = 7;   ///< of each measurement
 
     // trace.
     std::filesystem::path rays;
