@@ -148,6 +148,16 @@ TEST(KdTree, RefersAtMostTwentyTimesToEachTriangle) {
         }
 }
 
+TEST(KdTree, HoldsTrianglesThatAreNearlyFlat) {
+    const Soup soup = test::nearlyFlatSoup();
+    const Structure structure = build(soup.triangles);
+    EXPECT_EQ(kdtree::findFault(structure, soup.triangles), std::nullopt);
+    std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 5, 2000);
+    const std::vector<Ray> more = test::raysAtPlanes(soup.triangles, planesOf(structure), /* seed= */ 5, 2000);
+    rays.insert(rays.end(), more.begin(), more.end());
+    expectSame(trace(structure, rays), trace(structureType("brute").build(soup.triangles, {}), rays), rays, soup.name);
+}
+
 // HARD_CASES 60: nothing but `at` and the hit so far is kept from one dispatch to the next.
 TEST(KdTree, IsWalkedInPiecesOfAnySize) {
     for (const Soup& soup : test::soups()) {
@@ -268,6 +278,32 @@ TEST(KdTree, NamesItsFaults) {
         });
     }
     EXPECT_GT(planted, words.size() / 2);
+}
+
+// A sound tree by hand: the halves of a triangle above and below a plane that it nearly lies in are in one leaf each.
+TEST(KdTree, FindsNoFaultWhereATriangleIsCutThatIsNearlyFlat) {
+    constexpr float y = 0x1p-42f;
+    const std::vector<Triangle> triangles = {{vec3(0, -y, 0), vec3(1, y, 0), vec3(1, y, 1)}};
+    Structure structure;
+    structure.header = emptyHeader();
+    structure.header.lo = vec3(0, -y, 0);
+    structure.header.hi = vec3(1, y, 1);
+    structure.header.nodeCount = 3;
+    structure.header.triangleCount = 1;
+    structure.triangles.resize(3);
+    writeReference(structure.triangles, 0, triangles[0], 0, 1.0f);
+    const auto middle = std::bit_cast<uint32_t>(0.5f);
+    structure.nodes = {{4, 18, 0, 0},
+                       {0, 1, 2, 3},
+                       {middle, 0, kdtree::leafBit | 16, kdtree::emptyCell},
+                       {middle, 0, kdtree::emptyCell, kdtree::leafBit | 17},
+                       {kdtree::lastBit, kdtree::lastBit, 0, 0}};
+    EXPECT_EQ(kdtree::findFault(structure, triangles), std::nullopt);
+    structure.nodes[2].z = kdtree::leafBit | 17;
+    structure.nodes[3].w = kdtree::leafBit | 16;
+    EXPECT_EQ(kdtree::findFault(structure, triangles), std::nullopt);
+    std::swap(structure.nodes[2].z, structure.nodes[2].w);
+    EXPECT_NE(kdtree::findFault(structure, triangles), std::nullopt);
 }
 
 TEST(KdTree, ObeysTheMemoryBudget) {

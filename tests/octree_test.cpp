@@ -146,6 +146,16 @@ TEST(Octree, HoldsFlatScenes) {
     }
 }
 
+TEST(Octree, HoldsTrianglesThatAreNearlyFlat) {
+    const Soup soup = test::nearlyFlatSoup();
+    const Structure structure = build(soup.triangles);
+    EXPECT_EQ(octree::findFault(structure, soup.triangles), std::nullopt);
+    std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 5, 2000);
+    const std::vector<Ray> more = test::raysAtPlanes(soup.triangles, planesOf(structure), /* seed= */ 5, 2000);
+    rays.insert(rays.end(), more.begin(), more.end());
+    expectSame(trace(structure, rays), trace(structureType("brute").build(soup.triangles, {}), rays), rays, soup.name);
+}
+
 // HARD_CASES 60: nothing but `at` and the hit so far is kept from one dispatch to the next.
 TEST(Octree, IsWalkedInPiecesOfAnySize) {
     for (const Soup& soup : test::soups()) {

@@ -91,6 +91,7 @@ public:
 
     /// True if all of the polygon, which lies in the cell of `word`, is in leaves that refer to its triangle.
     bool holds(uint32_t word, const std::vector<dvec3>& polygon) const {
+        if (polygon.empty()) return true;
         if (word == emptyCell) return false;
         if ((word & leafBit) != 0) return isListed(word & ~leafBit);
         const uvec4& node = structure_.nodes[word];
@@ -101,9 +102,11 @@ public:
             below |= p[axis] < plane - partThickness;
             above |= p[axis] > plane + partThickness;
         }
-        if (!below && !above) return holds(node.z, polygon) || holds(node.w, polygon);
-        return (!below || holds(node.z, above ? partOfPolygon(polygon, axis, plane, 1.0) : polygon)) &&
-               (!above || holds(node.w, below ? partOfPolygon(polygon, axis, plane, -1.0) : polygon));
+        // Flat in the plane, it may be on either side; nearly so, it may be cut all the same.
+        if (!below && !above && (holds(node.z, polygon) || holds(node.w, polygon))) return true;
+        const bool cut = below == above;
+        return (!(below || cut) || holds(node.z, cut ? partOfPolygon(polygon, axis, plane, 1.0) : polygon)) &&
+               (!(above || cut) || holds(node.w, cut ? partOfPolygon(polygon, axis, plane, -1.0) : polygon));
     }
 
 private:

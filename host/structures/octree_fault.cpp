@@ -96,6 +96,7 @@ private:
     /// The same of what lies in the halves of the cell that the bits of `octant` name, for the axes before `axis`.
     bool holdsParts(const uvec4& record, const uvec3& low, uint32_t half, int axis, uint32_t octant,
                     const std::vector<dvec3>& polygon) const {
+        if (polygon.empty()) return true;
         if (axis == 3) {
             if ((record.y >> octant & 1) == 0) return false;
             const auto child = record.x + static_cast<uint32_t>(std::popcount(record.y & ((1u << octant) - 1)));
@@ -110,9 +111,11 @@ private:
         const uint32_t upper = octant | 1u << axis;
         const auto lowerHolds = [&](const auto& part) { return holdsParts(record, low, half, axis + 1, octant, part); };
         const auto upperHolds = [&](const auto& part) { return holdsParts(record, low, half, axis + 1, upper, part); };
-        if (!below && !above) return lowerHolds(polygon) || upperHolds(polygon);
-        return (!below || lowerHolds(above ? partOfPolygon(polygon, axis, plane, 1.0) : polygon)) &&
-               (!above || upperHolds(below ? partOfPolygon(polygon, axis, plane, -1.0) : polygon));
+        // Flat in the plane, it may be on either side; nearly so, it may be cut all the same.
+        if (!below && !above && (lowerHolds(polygon) || upperHolds(polygon))) return true;
+        const bool cut = below == above;
+        return (!(below || cut) || lowerHolds(cut ? partOfPolygon(polygon, axis, plane, 1.0) : polygon)) &&
+               (!(above || cut) || upperHolds(cut ? partOfPolygon(polygon, axis, plane, -1.0) : polygon));
     }
 
     bool isListed(uint64_t at) const {

@@ -2,6 +2,7 @@
 
 #include "support/random.hpp"
 
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -128,6 +129,21 @@ std::vector<Soup> growingSoups() {
             fan,
             slivers,
             diagonals};
+}
+
+Soup nearlyFlatSoup() {
+    Random random(2);
+    Soup soup{"nearly flat", {}};
+    const auto corner = [&](float x, float z) {
+        return vec3(x, std::bit_cast<float>(std::bit_cast<uint32_t>(2e-4f) + random.below(6)), z);
+    };
+    for (int i = 0; i < 1000; ++i) {
+        const auto x = static_cast<float>(random.within(0, 0.02)), z = static_cast<float>(random.within(0, 0.02));
+        soup.triangles.push_back({corner(x, z), corner(x + 0.003f, z), corner(x, z + 0.003f)});
+    }
+    for (const Triangle& t : sphere(30, 0.01, dvec3(0.01, 2e-4, 0.01), 0.1)) soup.triangles.push_back(t);
+    soup.triangles.push_back({vec3(-1), vec3(1, -1, -1), vec3(-1, -1, 1)});
+    return soup;
 }
 
 }  // namespace raig::test

@@ -22,4 +22,7 @@ std::vector<Ray> raysAtPlanes(const std::vector<Triangle>& triangles, const std:
 /// (any, and slivers), 1,000 slivers along diagonals.
 std::vector<Soup> growingSoups();
 
+/// Overlapping triangles, tilted out of a plane by a few of the smallest steps of a float, and a sphere through them.
+Soup nearlyFlatSoup();
+
 }  // namespace raig::test
