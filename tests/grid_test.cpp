@@ -334,6 +334,8 @@ TEST_F(Damaged, IsFound) {
     expectFault("other corners");
     structure.triangles.resize(structure.triangles.size() - 3);
     expectFault("triangle count");
+    structure.header.hi.z *= 0.5f;
+    expectFault("bounds");
     structure.header.gridStep.x *= 1.0000002f;
     expectFault("rounded");
     structure.header.gridOrigin.y += 0.01f;

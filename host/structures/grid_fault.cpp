@@ -1,5 +1,6 @@
 #include "structures/grid.hpp"
 #include "structures/grid_shape.hpp"
+#include "structures/parts.hpp"
 
 #include <bit>
 
@@ -19,39 +20,19 @@ uint32_t wordAt(const Structure& structure, uint64_t index) {
     return structure.nodes[index / 4][static_cast<int>(index % 4)];
 }
 
-/// True if something of the triangle lies in the box: cut by its six half-spaces in turn. Sutherland, Hodgman 1974,
-/// "Reentrant Polygon Clipping".
+/// True if something of the triangle lies in the box: cut by its six half-spaces in turn.
 bool comesInto(const Triangle& t, const dvec3& lo, const dvec3& hi) {
-    std::array<dvec3, 9> polygon = {dvec3(t.a), dvec3(t.b), dvec3(t.c)};
-    size_t count = 3;
-    for (int side = 0; side < 6 && count > 0; ++side) {
-        const int axis = side / 2;
-        const auto depth = [&](const dvec3& p) { return side % 2 == 0 ? p[axis] - lo[axis] : hi[axis] - p[axis]; };
-        std::array<dvec3, 9> kept;
-        size_t keptCount = 0;
-        for (size_t i = 0; i < count; ++i) {
-            const dvec3 &from = polygon[i], &to = polygon[(i + 1) % count];
-            const double d0 = depth(from), d1 = depth(to);
-            if (d0 >= 0.0) kept[keptCount++] = from;
-            if ((d0 < 0.0) != (d1 < 0.0)) kept[keptCount++] = from + d0 / (d0 - d1) * (to - from);
-        }
-        polygon = kept;
-        count = keptCount;
-    }
-    return count > 0;
+    std::vector<dvec3> polygon = {dvec3(t.a), dvec3(t.b), dvec3(t.c)};
+    for (int axis = 0; axis < 3 && !polygon.empty(); ++axis)
+        polygon = partOfPolygon(partOfPolygon(polygon, axis, lo[axis], -1.0), axis, hi[axis], 1.0);
+    return !polygon.empty();
 }
 
-Fault findReferenceFault(const Structure& structure, std::span<const Triangle> triangles) {
-    std::vector<uint8_t> present(triangles.size());
-    for (uint32_t i = 0; i < structure.header.triangleCount; ++i) {
-        const uint32_t id = referencedId(structure, i);
-        if (id >= triangles.size()) return fmt::format("reference {} names a triangle that is not there", i);
-        if (++present[id] != 1) return fmt::format("triangle {} lies in memory twice", id);
-        if (!refersTo(structure, i, triangles[id]))
-            return fmt::format("reference {} has other corners than triangle {}", i, id);
-    }
-    for (size_t id = 0; id < triangles.size(); ++id)
-        if ((present[id] != 0) != triangles[id].usable()) return fmt::format("triangle {} is missing, or unusable", id);
+/// The bounds tell the walk how far away the scene is.
+Fault findBoundsFault(const Structure& structure) {
+    Box bounds;
+    for (uint32_t i = 0; i < structure.header.triangleCount; ++i) bounds.grow(referencedTriangle(structure, i).box());
+    if (bounds.lo != structure.header.lo || bounds.hi != structure.header.hi) return "the bounds are not the triangles'";
     return std::nullopt;
 }
 
@@ -162,7 +143,6 @@ private:
         return std::nullopt;
     }
 
-    /// Lists are short where it matters; long ones are searched by halves, as they are in order.
     bool lists(size_t cell, uint32_t member) const {
         const uint32_t begin = listWord(cell);
         if (begin == 0) return false;
@@ -212,8 +192,9 @@ std::optional<std::string> findFault(const Structure& structure, std::span<const
     const StructureHeader& header = structure.header;
     if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
         return "triangle count and array differ";
-    if (auto fault = findReferenceFault(structure, triangles)) return fault;
+    if (auto fault = findListFault(structure, triangles)) return fault;
     if (header.triangleCount == 0) return structure.nodes.empty() ? Fault() : "nodes without triangles";
+    if (Fault fault = findBoundsFault(structure)) return fault;
     if (structure.nodes.size() < 4 || header.walk > 1) return "there is no grid";
     const Shape shape = shapeOf(structure);
     if (Fault fault = findPlaneFault(structure, shape)) return fault;
