@@ -30,8 +30,12 @@ bool isWithin(vec3 v, float limit) {
     return abs(v.x) <= limit && abs(v.y) <= limit && abs(v.z) <= limit;
 }
 
+// Both sides evaluated, and no branch: `?:` of other than names branches, and drivers take long over many branches.
+float pick(bool first, float a, float b) { return mix(b, a, first); }
+vec3 pick(bool first, vec3 a, vec3 b) { return mix(b, a, bvec3(first, first, first)); }
+
 vec3 turned(vec3 v, uint axisZ) {
-    return axisZ == 2u ? v : (axisZ == 0u ? vec3(v.y, v.z, v.x) : vec3(v.z, v.x, v.y));
+    return pick(axisZ == 2u, v, pick(axisZ == 0u, vec3(v.y, v.z, v.x), vec3(v.z, v.x, v.y)));
 }
 
 // Components too small to move the ray by u M / 8 across the scene are replaced by one that just does not: the inverse
@@ -182,9 +186,9 @@ bool intersectTriangle(WalkRay ray, vec3 a, vec3 b, vec3 c, uint id, bool obstac
     A = vec3(aX, aY, A.z);
     B = vec3(bX, bY, B.z);
     C = vec3(cX, cY, C.z);
-    vec3 p = pIsC ? C : (pIsB ? B : A);
-    vec3 q = pIsC ? A : (pIsB ? C : B);
-    vec3 r = pIsC ? B : (pIsB ? A : C);
+    vec3 p = pick(pIsC, C, pick(pIsB, B, A));
+    vec3 q = pick(pIsC, A, pick(pIsB, C, B));
+    vec3 r = pick(pIsC, B, pick(pIsB, A, C));
     precise float toQ = p.x / (p.x - q.x);
     precise float toR = p.x / (p.x - r.x);
     precise float y1 = p.y + toQ * (q.y - p.y);
@@ -204,8 +208,8 @@ bool intersectTriangle(WalkRay ray, vec3 a, vec3 b, vec3 c, uint id, bool obstac
     precise float ofR = across * toR;
     precise float rest = 1.0f - ofQ - ofR;
     float ofP = rest < 0.0f ? 0.0f : rest;
-    float u = pIsC ? ofR : (pIsB ? ofP : ofQ);
-    float v = pIsC ? ofP : (pIsB ? ofQ : ofR);
+    float u = pick(pIsC, ofR, pick(pIsB, ofP, ofQ));
+    float v = pick(pIsC, ofP, pick(pIsB, ofQ, ofR));
     bool nearer = t < best.t || (t == best.t && id < best.primitive);
     bool better = inside && obstacle && t >= ray.tMin && nearer;
     best.t = better ? t : best.t;

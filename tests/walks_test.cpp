@@ -176,18 +176,22 @@ TEST_P(EveryDevice, WalksRealScenesAsTheCpuAndBruteForceDo) {
         const std::vector<Ray> rays = test::rays(triangles, /* seed= */ 21, isLong() ? 1'000'000 : 50'000);
         const std::vector<Hit> want = trace(*makeCpuTracer(structure), rays);
         expectSame(trace(*makeDeviceTracer(*device_, structure), rays), want, rays, file);
+        const auto expectSameOfFirst = [&](Tracer& tracer, size_t count, const std::string& what) {
+            const std::vector<Ray> few(rays.begin(), rays.begin() + static_cast<long>(count));
+            expectSame(trace(tracer, few), {want.begin(), want.begin() + static_cast<long>(count)}, few, what);
+        };
+        // Small things in a large place: structures that cut space test up to 100,000 triangles a ray there.
+        const bool stadium = std::string_view(file).starts_with("stadium");
         for (const auto& [name, params] : otherStructures()) {
             if (params.walk != "auto" || !params.bound.empty() || params.levels == 1) continue;
+            if (GetParam() == "SwiftShader" && !isLong() && triangles.size() > 100'000) continue;
             const Structure other = structureType(name).build(triangles, params);
             EXPECT_EQ(structureType(name).findFault(other, triangles), std::nullopt) << file << ' ' << name;
-            expectSame(trace(*makeDeviceTracer(*device_, other), rays), want, rays, std::string(file) + ' ' + name);
+            expectSameOfFirst(*makeDeviceTracer(*device_, other), stadium ? 200 : isLong() ? rays.size() : 5'000,
+                              std::string(file) + ' ' + name);
         }
-
-        const size_t some = isLong() ? 10'000 : 100;
-        const std::vector<Ray> fewRays(rays.begin(), rays.begin() + static_cast<long>(some));
-        const std::vector<Hit> few(want.begin(), want.begin() + static_cast<long>(some));
         const Structure brute = structureType("brute").build(triangles, {});
-        expectSame(few, trace(*makeCpuTracer(brute), fewRays), fewRays, std::string(file) + " brute");
+        expectSameOfFirst(*makeCpuTracer(brute), isLong() ? 10'000 : 100, std::string(file) + " brute");
     }
 }
 
