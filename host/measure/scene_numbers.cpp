@@ -1,8 +1,7 @@
 #include "measure/scene_numbers.hpp"
 
+#include "base/parallel.hpp"
 #include "scene/surface.hpp"
-
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +30,7 @@ double crowdingOf(const std::vector<Box>& boxes, const Box& bounds) {
         }
         cells[i] = cell;
     }
-    tbb::parallel_sort(cells.begin(), cells.end());
+    parallelSort(cells.begin(), cells.end());
     double pairs = 0.0;
     for (size_t begin = 0, end = 0; begin < cells.size(); begin = end) {
         while (end < cells.size() && cells[end] == cells[begin]) ++end;

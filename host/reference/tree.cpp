@@ -3,8 +3,6 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 
-#include <tbb/parallel_invoke.h>
-
 #include <algorithm>
 
 namespace raig::reference {
@@ -109,7 +107,7 @@ void Tree::split(std::vector<Item>& items, uint32_t level, size_t position) {
     const auto left = [&] { split(items, level + 1, 2 * position); };
     const auto right = [&] { split(items, level + 1, 2 * position + 1); };
     if (end - begin > 4096) {
-        tbb::parallel_invoke(left, right);
+        parallelInvoke(left, right);
     } else {
         left();
         right();

@@ -12,10 +12,10 @@ void fill(Bins& bins, const Binning& binning, const Range& range) {
         return;
     }
     // Minima, maxima and counts do not depend on how the range is cut.
-    bins = tbb::parallel_reduce(
-        tbb::blocked_range<size_t>(0, range.count, parallelSize), Bins{},
-        [&](const auto& part, Bins some) {
-            for (size_t i = part.begin(); i < part.end(); ++i) some.add(range.begin[i], binning);
+    bins = parallelReduce(
+        range.count, parallelSize, Bins{},
+        [&](size_t begin, size_t end, Bins some) {
+            for (size_t i = begin; i < end; ++i) some.add(range.begin[i], binning);
             return some;
         },
         [](Bins a, const Bins& b) {

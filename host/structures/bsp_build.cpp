@@ -3,8 +3,6 @@
 #include "base/parallel.hpp"
 #include "structures/bsp_split.hpp"
 
-#include <tbb/parallel_invoke.h>
-
 #include <algorithm>
 #include <atomic>
 
@@ -48,7 +46,7 @@ public:
             node->children[side] = build(std::move(parts[side]), rest[side]);
         };
         if (parallel) {
-            tbb::parallel_invoke([&] { buildChild(0); }, [&] { buildChild(1); });
+            parallelInvoke([&] { buildChild(0); }, [&] { buildChild(1); });
         } else {
             buildChild(0);
             buildChild(1);

@@ -1,6 +1,6 @@
 #include "structures/bsp_split.hpp"
 
-#include <tbb/parallel_for.h>
+#include "base/parallel.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -173,7 +173,9 @@ std::optional<Split> bestSplit(const Piece& piece, std::span<const Corners> tria
     std::array<AxisSearch::Found, 3> found;
     const auto search = [&](int axis) { found[axis] = AxisSearch(piece, axis, tolerance, dividing).best(); };
     if (piece.parts.size() >= parallelSize) {
-        tbb::parallel_for(0, 3, search);
+        parallelFor(3, 1, [&](size_t begin, size_t end) {
+            for (size_t axis = begin; axis < end; ++axis) search(static_cast<int>(axis));
+        });
     } else {
         for (int axis = 0; axis < 3; ++axis) search(axis);
     }

@@ -4,8 +4,6 @@
 #include "base/parallel.hpp"
 #include "structures/grid_lists.hpp"
 
-#include <tbb/parallel_sort.h>
-
 #include <bit>
 #include <chrono>
 
@@ -61,7 +59,7 @@ Members membersOf(std::span<const Triangle> triangles) {
             keys[i] = uint64_t{mortonCode((centre - lo) / extent)} << 32 | members.ids[i];
         }
     });
-    tbb::parallel_sort(keys.begin(), keys.end());
+    parallelSort(keys.begin(), keys.end());
     members.unit = unitOf(members.bounds);
     members.bounds = {members.bounds.lo * members.unit, members.bounds.hi * members.unit};
     members.triangles.resize(keys.size());

@@ -2,8 +2,6 @@
 
 #include "base/parallel.hpp"
 
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -131,8 +129,8 @@ Bins binsOf(std::span<const BoxReference> references, const Box& cell) {
     const vec3 extent = cell.extent();
     for (int axis = 0; axis < 3; ++axis)
         if (extent[axis] > 0.0f) scale[axis] = std::min(static_cast<float>(binCount) / extent[axis], 1e30f);
-    const auto over = [&](const tbb::blocked_range<size_t>& range, Bins bins) {
-        for (size_t i = range.begin(); i < range.end(); ++i)
+    const auto over = [&](size_t begin, size_t end, Bins bins) {
+        for (size_t i = begin; i < end; ++i)
             for (int axis = 0; axis < 3; ++axis) {
                 const BoxReference& r = references[i];
                 const auto binAt = [&](float x) -> Bin& {
@@ -151,7 +149,7 @@ Bins binsOf(std::span<const BoxReference> references, const Box& cell) {
         a.merge(b);
         return a;
     };
-    return tbb::parallel_reduce(tbb::blocked_range<size_t>(0, references.size(), grain), Bins{}, over, join);
+    return parallelReduce(references.size(), grain, Bins{}, over, join);
 }
 
 Plane binnedPlane(std::span<const BoxReference> references, const Box& cell, const Costs& costs) {

@@ -1,10 +1,9 @@
 #include "structures/kdtree_tree.hpp"
 
+#include "base/parallel.hpp"
 #include "structures/allowance.hpp"
 #include "structures/clip.hpp"
 #include "structures/kdtree.hpp"
-
-#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 
@@ -75,7 +74,7 @@ public:
             above = buildAbove(tree);
         } else {
             Tree other;
-            tbb::parallel_invoke([&] { below = buildBelow(tree); }, [&] { other.root = buildAbove(other); });
+            parallelInvoke([&] { below = buildBelow(tree); }, [&] { other.root = buildAbove(other); });
             above = join(other, tree);
         }
         tree.nodes[node].below = below;

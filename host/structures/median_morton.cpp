@@ -1,7 +1,6 @@
+#include "base/parallel.hpp"
 #include "structures/bvh_builders.hpp"
 #include "structures/top_down.hpp"
-
-#include <tbb/parallel_sort.h>
 
 #include <bit>
 
@@ -54,7 +53,7 @@ BinaryTree buildMorton(std::vector<BoxReference> references, uint32_t maxLeaf) {
     parallelFor(coded.size(), 4096, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) coded[i] = {mortonCode(references[i], dvec3(bounds.lo), scale), references[i]};
     });
-    tbb::parallel_sort(coded.begin(), coded.end(), [](const Coded& p, const Coded& q) {
+    parallelSort(coded.begin(), coded.end(), [](const Coded& p, const Coded& q) {
         return p.code < q.code || (p.code == q.code && p.reference.id < q.reference.id);
     });
     std::vector<uint64_t> codes(coded.size());

@@ -1,9 +1,8 @@
 #include "structures/octree_tree.hpp"
 
+#include "base/parallel.hpp"
 #include "structures/octree.hpp"
 #include "structures/triangle_box.hpp"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -57,7 +56,9 @@ public:
             below[i] = build(std::move(octants[i]), octantOf(cell, static_cast<uint32_t>(i)), share);
         };
         if (before >= parallelSize) {
-            tbb::parallel_for(size_t{0}, size_t{8}, buildOctant);
+            parallelFor(8, 1, [&](size_t begin, size_t end) {
+                for (size_t i = begin; i < end; ++i) buildOctant(i);
+            });
         } else {
             for (size_t i = 0; i < 8; ++i) buildOctant(i);
         }

@@ -1,9 +1,8 @@
+#include "base/parallel.hpp"
 #include "structures/bins.hpp"
 #include "structures/bvh_builders.hpp"
 #include "structures/clip.hpp"
 #include "structures/top_down.hpp"
-
-#include <tbb/parallel_for.h>
 
 namespace raig {
 
@@ -62,7 +61,7 @@ public:
         const auto buildLeft = [&] { below[0] = build(std::move(left), depth + 1, leftBudget); };
         const auto buildRight = [&] { below[1] = build(std::move(right), depth + 1, rest - leftBudget); };
         if (count >= 1024) {
-            tbb::parallel_invoke(buildLeft, buildRight);
+            parallelInvoke(buildLeft, buildRight);
         } else {
             buildLeft();
             buildRight();
@@ -156,7 +155,9 @@ private:
         SpatialSplit found[3];
         const auto along = [&](int axis) { found[axis] = bestSpatialSplit(references, node, axis); };
         if (references.size() >= parallelSize)
-            tbb::parallel_for(0, 3, along);
+            parallelFor(3, 1, [&](size_t begin, size_t end) {
+                for (size_t axis = begin; axis < end; ++axis) along(static_cast<int>(axis));
+            });
         else
             for (int axis = 0; axis < 3; ++axis) along(axis);
         SpatialSplit best;

@@ -1,7 +1,6 @@
+#include "base/parallel.hpp"
 #include "structures/bvh_builders.hpp"
 #include "structures/top_down.hpp"
-
-#include <tbb/parallel_sort.h>
 
 namespace raig {
 
@@ -19,7 +18,7 @@ void sortAlong(int axis, BoxReference* begin, uint32_t count) {
         return a < b || (a == b && p.id < q.id);
     };
     if (count >= parallelSize)
-        tbb::parallel_sort(begin, begin + count, before);
+        parallelSort(begin, begin + count, before);
     else
         std::sort(begin, begin + count, before);
 }

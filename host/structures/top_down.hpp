@@ -4,9 +4,6 @@
 #include "base/parallel.hpp"
 #include "structures/lanes.hpp"
 
-#include <tbb/parallel_invoke.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -66,7 +63,7 @@ private:
         const auto buildLeft = [&, left = result.left] { build(left, first, leftCount, depth + 1); };
         const auto buildRight = [&, right = result.right] { build(right, first + leftCount, count - leftCount, depth + 1); };
         if (count >= parallelSize) {
-            tbb::parallel_invoke(buildLeft, buildRight);
+            parallelInvoke(buildLeft, buildRight);
         } else {
             buildLeft();
             buildRight();
@@ -79,9 +76,9 @@ private:
             return bounds;
         };
         if (count < 8 * parallelSize) return over(first, first + count, {});
-        return tbb::parallel_reduce(
-            tbb::blocked_range<size_t>(first, first + count, parallelSize), RangeBounds{},
-            [&](const auto& range, RangeBounds bounds) { return over(range.begin(), range.end(), bounds); },
+        return parallelReduce(
+            count, parallelSize, RangeBounds{},
+            [&](size_t begin, size_t end, const RangeBounds& bounds) { return over(first + begin, first + end, bounds); },
             [](RangeBounds a, const RangeBounds& b) {
                 a.grow(b);
                 return a;
