@@ -1,15 +1,23 @@
-// Triangle references as they lie in memory: three uvec4 each (shared/structure.glsl).
+// References to primitives as they lie in memory: three uvec4 each (shared/structure.glsl).
 //
-// Whoever includes this declares before it triangles_at(i), SKIP_SEE_THROUGH and COUNT_TRIANGLE(did).
+// Whoever includes this declares before it triangles_at(i), SKIP_SEE_THROUGH, HAS_SPHERES and COUNT_TRIANGLE(did).
+#include "sphere.glsl"
 
-// Tests triangle reference `index`. True if it became the best hit.
+// Tests reference `index`, a triangle or, where the structure has any (HAS_SPHERES), a sphere. True if it became the best hit.
 bool testTriangle(WalkRay ray, uint index, INOUT(Hit) best) {
     uvec4 a = triangles_at(index * TRIANGLE_STRIDE);
     uvec4 b = triangles_at(index * TRIANGLE_STRIDE + 1u);
     uvec4 c = triangles_at(index * TRIANGLE_STRIDE + 2u);
     COUNT_TRIANGLE(true)
     bool obstacle = !SKIP_SEE_THROUGH || (b.w & TRIANGLE_SEE_THROUGH) == 0u;
-    return intersectTriangle(ray, vec3(uintBitsToFloat(a.x), uintBitsToFloat(a.y), uintBitsToFloat(a.z)),
-                             vec3(uintBitsToFloat(b.x), uintBitsToFloat(b.y), uintBitsToFloat(b.z)),
-                             vec3(uintBitsToFloat(c.x), uintBitsToFloat(c.y), uintBitsToFloat(c.z)), a.w, obstacle, best);
+    vec3 first = vec3(uintBitsToFloat(a.x), uintBitsToFloat(a.y), uintBitsToFloat(a.z));
+    bool isSphere = HAS_SPHERES && (b.w & TRIANGLE_SPHERE) != 0u;
+    bool hit = false;
+    if (isSphere) {
+        hit = intersectSphere(ray, first, uintBitsToFloat(b.x), a.w, obstacle, best);
+    } else {
+        hit = intersectTriangle(ray, first, vec3(uintBitsToFloat(b.x), uintBitsToFloat(b.y), uintBitsToFloat(b.z)),
+                                vec3(uintBitsToFloat(c.x), uintBitsToFloat(c.y), uintBitsToFloat(c.z)), a.w, obstacle, best);
+    }
+    return hit;
 }

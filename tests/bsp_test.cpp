@@ -91,7 +91,7 @@ std::vector<Ray> raysAlongPlanes(const Structure& structure, size_t count, doubl
         const auto onPlane = [&](dvec3 p) { return p - plane.to(p) / glm::dot(n, n) * n; };
         // A corner of a triangle, brought onto the plane, is a likely place for a hit.
         const uint32_t reference = random.below(structure.header.triangleCount);
-        const Triangle t = referencedTriangle(structure, reference);
+        const Triangle t = referencedPrimitive(structure, reference);
         const dvec3 target = onPlane(glm::mix(dvec3(t.a), dvec3(t.b), random.below(2) == 0 ? 0.0 : random.unit()) - lo);
         dvec3 direction = glm::cross(n, random.direction());
         if (random.below(3) == 0) direction += std::pow(10.0, random.within(-9, -3)) * random.direction();
@@ -193,7 +193,7 @@ TEST(Bsp, PutsTrianglesOnOneSideOfTheirOwnPlane) {
             const std::vector<uint32_t> below = referencesBelow(structure, node.w),
                                         above = referencesBelow(structure, node.w + 1);
             for (uint32_t r = 0; r < structure.header.triangleCount; ++r) {
-                const Triangle t = referencedTriangle(structure, r);
+                const Triangle t = referencedPrimitive(structure, r);
                 const auto isIn = [&](const vec3& p) { return std::abs(plane.to(dvec3(p) - lo)) <= tolerance; };
                 if (!isIn(t.a) || !isIn(t.b) || !isIn(t.c)) continue;
                 const bool isBelow = std::binary_search(below.begin(), below.end(), r);

@@ -268,7 +268,7 @@ TEST(Octree, NamesItsFaults) {
     size_t planted = 0;
     for (const auto& [at, cell] : words) {
         const uint32_t entry = sound.nodes[at / 4][static_cast<int>(at % 4)], place = entry & ~octree::lastBit;
-        if (!hasPointInside(referencedTriangle(sound, place), cell)) continue;
+        if (!hasPointInside(referencedPrimitive(sound, place), cell)) continue;
         ++planted;
         expectFault("a reference to another triangle", [&, at = at](Structure& s) {
             s.nodes[at / 4][static_cast<int>(at % 4)] = (entry & octree::lastBit) | ((place + 1) % s.header.triangleCount);

@@ -51,7 +51,7 @@ TEST(TriangleBox, OverlapsWhereAPointIsSharedExactly) {
         for (int i = 0; i < 200'000; ++i) {
             const Triangle t = gridTriangle(random, offset, bits);
             const Cell cell = cellAt(exactPoint(t, random), random);
-            ASSERT_TRUE(TriangleBoxTest(t).overlaps(cell.lo, cell.hi)) << i << " at " << offset;
+            ASSERT_TRUE(PrimitiveBoxTest(t).overlaps(cell.lo, cell.hi)) << i << " at " << offset;
         }
 }
 
@@ -102,7 +102,7 @@ TEST(TriangleBox, AgreesWithClipping) {
         const double size = std::pow(10.0, random.within(-4, 0));
         const dvec3 centre = dvec3(t.a) + 0.5 * (size + glm::length(dvec3(t.b) - dvec3(t.a))) * dvec3(random.inCube(-1, 1));
         const Cell cell{centre - size * dvec3(random.inCube(0.1, 1)), centre + size * dvec3(random.inCube(0.1, 1))};
-        const bool got = TriangleBoxTest(t).overlaps(cell.lo, cell.hi);
+        const bool got = PrimitiveBoxTest(t).overlaps(cell.lo, cell.hi);
         const dvec3 margin(1e-9);
         ASSERT_TRUE(got || !overlapsByClipping(t, cell)) << i;
         ASSERT_TRUE(!got || overlapsByClipping(t, {cell.lo - margin, cell.hi + margin})) << i;
@@ -122,8 +122,8 @@ TEST(TriangleBox, SeparatesAlongEachAxis) {
     const Cell unit{dvec3(-1), dvec3(1)};
     const Triangle corner{vec3(3.5f, 0, 0), vec3(0, 3.5f, 0),
                           vec3(0, 0, 3.5f)};  // x + y + z = 3.5 passes the corner (1, 1, 1)
-    EXPECT_FALSE(TriangleBoxTest(corner).overlaps(unit.lo, unit.hi));
-    EXPECT_TRUE(TriangleBoxTest(corner).overlaps(unit.lo, dvec3(1.25)));
+    EXPECT_FALSE(PrimitiveBoxTest(corner).overlaps(unit.lo, unit.hi));
+    EXPECT_TRUE(PrimitiveBoxTest(corner).overlaps(unit.lo, dvec3(1.25)));
     for (int axis = 0; axis < 3; ++axis)
         for (const float sx : {-1.0f, 1.0f})
             for (const float sy : {-1.0f, 1.0f}) {
@@ -137,7 +137,7 @@ TEST(TriangleBox, SeparatesAlongEachAxis) {
                 };
                 const std::array<vec3, 3> p = {turn(-0.5f, 2.5f, 0.0f), turn(0.5f, 0.0f, 2.5f), turn(0.75f, 2.5f, 2.5f)};
                 for (size_t first = 0; first < 3; ++first) {
-                    const TriangleBoxTest passing({p[first], p[(first + 1) % 3], p[(first + 2) % 3]});
+                    const PrimitiveBoxTest passing({p[first], p[(first + 1) % 3], p[(first + 2) % 3]});
                     EXPECT_FALSE(passing.overlaps(unit.lo, unit.hi));
                     EXPECT_TRUE(passing.overlaps(dvec3(-1.25), dvec3(1.25)));
                 }

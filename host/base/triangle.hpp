@@ -1,6 +1,7 @@
-/// Which triangles rays can meet.
+/// Which triangles and spheres rays can meet.
 #pragma once
 
+#include "base/box.hpp"
 #include "base/vectors.hpp"
 
 namespace raig {
@@ -14,5 +15,11 @@ bool isInRange(const vec3& point);
 /// True if a ray can hit the triangle: its corners are in range and do not lie on a line (in exact arithmetic on the float
 /// corners, up to a few parts in 2^53).
 bool isUsable(const vec3& a, const vec3& b, const vec3& c);
+
+/// True if a ray can hit the sphere: its radius is positive, and its centre and all of it are in range. False for NaN.
+bool isUsableSphere(const vec3& centre, float radius);
+
+/// The box of a sphere: no point of it lies outside, and no smaller box of floats does as well.
+Box sphereBox(const vec3& centre, float radius);
 
 }  // namespace raig

@@ -100,6 +100,7 @@ public:
           walk_(structure.header.walk),
           counting_(counting),
           paired_(device.loadsTexel()),
+          spheres_(structure.hasSpheres()),
           header_(device, sizeof(StructureHeader)),
           nodes_(device, std::as_bytes(std::span(structure.nodes))),
           triangles_(device, std::as_bytes(std::span(structure.triangles))),
@@ -224,6 +225,7 @@ private:
                 {9, /* PAUSING */ stage != Stage::whole},
                 {10, /* RESUMING */ stage == Stage::resuming},
                 {11, /* PAIRED */ paired},
+                {12, /* HAS_SPHERES */ spheres_},
             };
             sized.emplace(Kernel(device_, name_, *spirv, constants), DispatchSize(device_.info()),
                           paired ? 2 * workgroupSize : workgroupSize);
@@ -245,6 +247,7 @@ private:
     uint32_t walk_;
     bool counting_;
     bool paired_;  // two rays an invocation: llvmpipe computes one while it waits for the other
+    bool spheres_;
     Buffer header_;
     BigArray nodes_;
     BigArray triangles_;

@@ -6,7 +6,7 @@
 
 namespace raig::brute {
 
-Structure build(std::span<const Triangle> triangles, const BuildParams& params) {
+Structure build(std::span<const Primitive> triangles, const BuildParams& params) {
     refuseOtherOptions(params, "brute", {});
     const auto start = std::chrono::steady_clock::now();
     Structure structure;
@@ -14,7 +14,7 @@ Structure build(std::span<const Triangle> triangles, const BuildParams& params) 
     structure.walk = "every triangle";
     structure.header = emptyHeader();
     Box bounds;
-    for (const Triangle& triangle : triangles)
+    for (const Primitive& triangle : triangles)
         if (triangle.usable()) bounds.grow(triangle.box());
     const float unit = unitOf(bounds);
     size_t count = 0;
@@ -38,7 +38,7 @@ Structure build(std::span<const Triangle> triangles, const BuildParams& params) 
     return structure;
 }
 
-std::optional<std::string> findFault(const Structure& structure, std::span<const Triangle> triangles) {
+std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles) {
     uint64_t next = 0;
     for (uint32_t id = 0; id < triangles.size(); ++id) {
         if (!triangles[id].usable()) continue;

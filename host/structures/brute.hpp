@@ -7,9 +7,9 @@
 namespace raig::brute {
 
 /// Lists the usable triangles. O(n).
-Structure build(std::span<const Triangle> triangles, const BuildParams& params);
+Structure build(std::span<const Primitive> triangles, const BuildParams& params);
 
 /// Each usable triangle is listed once, in order, with its own corners.
-std::optional<std::string> findFault(const Structure& structure, std::span<const Triangle> triangles);
+std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles);
 
 }  // namespace raig::brute

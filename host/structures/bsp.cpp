@@ -107,7 +107,7 @@ void checkParams(const BuildParams& params, size_t triangles) {
 
 }  // namespace
 
-Structure build(std::span<const Triangle> triangles, const BuildParams& params) {
+Structure build(std::span<const Primitive> triangles, const BuildParams& params) {
     checkParams(params, triangles.size());
     const auto start = std::chrono::steady_clock::now();
     Structure structure;

@@ -27,11 +27,11 @@ namespace raig::bsp {
 /// more triangles are split wherever that separates any; by default, where it pays) and --max-tree-depth (at most 64).
 /// Splits no further where there would be more than 16 references a triangle, or the memory budget would be exceeded: only
 /// what one leaf of everything takes is always taken. At most 2^27 triangles: throws limitError beyond.
-Structure build(std::span<const Triangle> triangles, const BuildParams& params);
+Structure build(std::span<const Primitive> triangles, const BuildParams& params);
 
 /// Names the first broken invariant, or nothing if all hold: each usable triangle is stored once, the corners as given;
 /// every point of it is in a leaf that references it, up to what the walk allows for; every node but the first has one
 /// parent, which comes before it; the tree has at most 64 levels; planes are within the bounds.
-std::optional<std::string> findFault(const Structure& structure, std::span<const Triangle> triangles);
+std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles);
 
 }  // namespace raig::bsp

@@ -67,9 +67,9 @@ private:
     void distribute(const Piece& piece, const Split& split, std::array<Piece, 2>& parts) const {
         for (const Part& part : piece.parts) {
             const std::span<const dvec3> polygon = piece.polygon(part);
-            Sides sides = sidesOf(polygon, split.plane, tolerance_);
+            Sides sides = sidesOf(piece, part, split.plane, tolerance_);
             if (!sides.below && !sides.above) (split.planarAbove ? sides.above : sides.below) = true;
-            const bool both = sides.below && sides.above;
+            const bool both = sides.below && sides.above && part.radius == 0.0f;
             for (int side = 0; side < 2; ++side) {
                 if (!(side == 0 ? sides.below : sides.above)) continue;
                 std::vector<dvec3>& corners = parts[side].corners;
@@ -79,7 +79,7 @@ private:
                 } else {
                     corners.insert(corners.end(), polygon.begin(), polygon.end());
                 }
-                parts[side].parts.push_back({part.triangle, begin, static_cast<uint32_t>(corners.size())});
+                parts[side].parts.push_back({part.triangle, begin, static_cast<uint32_t>(corners.size()), part.radius});
             }
         }
     }
@@ -117,22 +117,24 @@ private:
 
 }  // namespace
 
-Tree buildTree(std::span<const Triangle> triangles, std::span<const uint32_t> usable, const StructureHeader& header,
+Tree buildTree(std::span<const Primitive> triangles, std::span<const uint32_t> usable, const StructureHeader& header,
                const BuildLimits& limits) {
     const dvec3 lo(header.lo), size = dvec3(header.hi) - lo;
     std::vector<Corners> corners(triangles.size());
     parallelFor(usable.size(), 4096, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
-            const Triangle& t = triangles[usable[i]];
-            corners[usable[i]] = {dvec3(t.a * header.unit) - lo, dvec3(t.b * header.unit) - lo,
-                                  dvec3(t.c * header.unit) - lo};
+            const Primitive t = triangles[usable[i]].scaled(header.unit);
+            const std::array<vec3, 3> points = t.isSphere() ? std::array{t.a, t.a, t.a} : std::array{t.a, t.b, t.c};
+            for (size_t k = 0; k < 3; ++k) corners[usable[i]][k] = dvec3(points[k]) - lo;
         }
     });
     Piece whole{Cell(size), {}, {}};
     for (const uint32_t triangle : usable) {
+        const bool sphere = triangles[triangle].isSphere();
         const auto begin = static_cast<uint32_t>(whole.corners.size());
-        whole.corners.insert(whole.corners.end(), corners[triangle].begin(), corners[triangle].end());
-        whole.parts.push_back({triangle, begin, begin + 3});
+        whole.corners.insert(whole.corners.end(), corners[triangle].begin(), corners[triangle].begin() + (sphere ? 1 : 3));
+        whole.parts.push_back({triangle, begin, static_cast<uint32_t>(whole.corners.size()),
+                               sphere ? triangles[triangle].radius() * header.unit : 0.0f});
     }
     const Builder builder(std::move(corners), std::max({size.x, size.y, size.z}), limits.maxLeaf);
     Tree tree;

@@ -31,7 +31,7 @@ struct Tree {
 
 /// Splits the bounds until it does not pay, or the limits are reached. `usable` are the indices of the triangles to take;
 /// requires at least one. `header` tells the bounds and the unit.
-Tree buildTree(std::span<const Triangle> triangles, std::span<const uint32_t> usable, const StructureHeader& header,
+Tree buildTree(std::span<const Primitive> triangles, std::span<const uint32_t> usable, const StructureHeader& header,
                const BuildLimits& limits);
 
 }  // namespace raig::bsp

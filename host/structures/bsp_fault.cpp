@@ -64,8 +64,9 @@ public:
 
     /// Every point of a triangle is in a leaf that references it.
     bool isCovered(uint32_t reference) const {
-        const Triangle t = referencedTriangle(structure_, reference);
+        const Primitive t = referencedPrimitive(structure_, reference);
         const dvec3 lo(structure_.header.lo);
+        if (t.isSphere()) return isSphereCovered(0, dvec3(t.centre()) - lo, t.radius(), reference);
         return isCovered(0, {dvec3(t.a) - lo, dvec3(t.b) - lo, dvec3(t.c) - lo}, reference);
     }
 
@@ -128,6 +129,21 @@ private:
                isCovered(above, cut(polygon, plane, 1.0, margin), reference);
     }
 
+    /// Spheres are on each side that they reach, as wholes.
+    bool isSphereCovered(uint32_t at, const dvec3& centre, double radius, uint32_t reference) const {
+        const uvec4& node = nodes_[at];
+        if ((node.w & leafBit) != 0) return std::binary_search(leaves_[at].begin(), leaves_[at].end(), reference);
+        const Plane plane = Plane::decoded(node);
+        const double to = plane.to(centre), reach = radius * glm::length(plane.normal());
+        const bool noBelow = (node.w & noBelowBit) != 0, noAbove = (node.w & noAboveBit) != 0;
+        const uint32_t below = node.w & indexBits, above = noBelow ? below : below + 1;
+        const bool needsBelow = to - reach < -allowed * extent_, needsAbove = to + reach > allowed * extent_;
+        const auto isIn = [&](bool none, uint32_t child) { return !none && isSphereCovered(child, centre, radius, reference); };
+        // In the plane, it may be on either side.
+        if (!needsBelow && !needsAbove) return isIn(noBelow, below) || isIn(noAbove, above);
+        return (!needsBelow || isIn(noBelow, below)) && (!needsAbove || isIn(noAbove, above));
+    }
+
     const Structure& structure_;
     const std::vector<uvec4>& nodes_;
     std::vector<uint8_t> seen_;
@@ -135,7 +151,7 @@ private:
     double extent_ = 0.0;
 };
 
-std::optional<std::string> findReferenceFault(const Structure& structure, std::span<const Triangle> triangles) {
+std::optional<std::string> findReferenceFault(const Structure& structure, std::span<const Primitive> triangles) {
     std::vector<uint8_t> stored(triangles.size());
     for (uint32_t i = 0; i < structure.header.triangleCount; ++i) {
         const uint32_t id = referencedId(structure, i);
@@ -159,7 +175,7 @@ std::optional<std::string> findReferenceFault(const Structure& structure, std::s
 
 }  // namespace
 
-std::optional<std::string> findFault(const Structure& structure, std::span<const Triangle> triangles) {
+std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles) {
     const StructureHeader& header = structure.header;
     if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
         return "triangle count and array differ";

@@ -47,6 +47,8 @@ public:
                 lo = std::min(lo, corner[axis]);
                 hi = std::max(hi, corner[axis]);
             }
+            lo -= part.radius;
+            hi += part.radius;
             starts_.push_back(lo);
             ends_.push_back(hi);
             if (hi - lo <= 2 * tolerance) planar_.push_back(0.5 * (lo + hi));
@@ -104,7 +106,7 @@ Counts countSides(const Piece& piece, const Plane& plane, double tolerance) {
     Counts counts;
     double counted = 0.0;
     for (size_t i = 0; i < piece.parts.size(); i += stride) {
-        const Sides sides = sidesOf(piece.polygon(piece.parts[i]), plane, tolerance);
+        const Sides sides = sidesOf(piece, piece.parts[i], plane, tolerance);
         counts.below += sides.below;
         counts.above += sides.above;
         counts.planar += !sides.below && !sides.above;
@@ -157,14 +159,18 @@ void considerPlanesOf(const Corners& corners, Chooser& chooser) {
 
 }  // namespace
 
-Sides sidesOf(std::span<const dvec3> polygon, const Plane& plane, double tolerance) {
+Sides sidesOf(const Piece& piece, const Part& part, const Plane& plane, double tolerance) {
     const dvec3 normal = plane.normal();
     const double distance = plane.distance;
     double lo = std::numeric_limits<double>::infinity(), hi = -lo;
-    for (const dvec3& corner : polygon) {
+    for (const dvec3& corner : piece.polygon(part)) {
         const double to = glm::dot(normal, corner) - distance;
         lo = std::min(lo, to);
         hi = std::max(hi, to);
+    }
+    if (part.radius > 0.0f) {
+        lo -= part.radius * glm::length(normal);
+        hi += part.radius * glm::length(normal);
     }
     return {lo<-tolerance, hi> tolerance};
 }

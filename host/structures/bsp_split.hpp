@@ -8,13 +8,15 @@
 
 namespace raig::bsp {
 
-/// What a triangle has in a cell: a convex polygon around its part there.
+/// What a triangle has in a cell: a convex polygon around its part there. Of a sphere, all of it: one corner, the centre.
 struct Part {
     uint32_t triangle;
     uint32_t begin, end;  ///< of its corners
+    float radius = 0.0f;  ///< of a sphere
 };
 
-/// A triangle's corners, relative to the scene's lower bounds.
+/// A triangle's corners, relative to the scene's lower bounds. Of a sphere, three times the centre: it suggests no planes
+/// but those across the axes.
 using Corners = std::array<dvec3, 3>;
 
 /// A cell and what lies in it.
@@ -28,12 +30,12 @@ struct Piece {
     }
 };
 
-/// Which sides of a plane a polygon is on. Neither if it lies in the plane.
+/// Which sides of a plane a part is on. Neither if it lies in the plane.
 struct Sides {
     bool below = false, above = false;
 };
 
-Sides sidesOf(std::span<const dvec3> polygon, const Plane& plane, double tolerance);
+Sides sidesOf(const Piece& piece, const Part& part, const Plane& plane, double tolerance);
 
 struct Split {
     Plane plane;

@@ -20,7 +20,7 @@ constexpr uint64_t mostTriangles = 1u << 27;
 // A triangle test costs about two node visits on lavapipe.
 constexpr SahCosts costs{.node = 1.0f, .triangle = 2.0f};
 
-std::vector<BoxReference> referencesOf(std::span<const Triangle> triangles) {
+std::vector<BoxReference> referencesOf(std::span<const Primitive> triangles) {
     std::vector<uint8_t> usable(triangles.size());
     parallelFor(triangles.size(), 4096, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) usable[i] = triangles[i].usable();
@@ -61,7 +61,7 @@ uint64_t splitBudget(uint64_t references, const BuildParams& params) {
     return std::min(references * 3 / 10, room > references ? room - references : 0);
 }
 
-BinaryTree buildTree(std::span<const Triangle> triangles, const BuildParams& params, float unit,
+BinaryTree buildTree(std::span<const Primitive> triangles, const BuildParams& params, float unit,
                      std::vector<BoxReference> references) {
     const uint32_t maxLeaf = params.maxLeaf == 0 ? defaultMaxLeaf : params.maxLeaf;
     if (params.build == "median") return buildMedian(std::move(references), maxLeaf);
@@ -102,7 +102,7 @@ void measure(const BinaryTree& tree, StructureStatistics& statistics) {
 
 }  // namespace
 
-Structure build(std::span<const Triangle> triangles, const BuildParams& params) {
+Structure build(std::span<const Primitive> triangles, const BuildParams& params) {
     checkParams(params);
     if (triangles.size() > mostTriangles)
         throw limitError("bvh holds at most {} triangles; the scene has {}", mostTriangles, triangles.size());

@@ -23,11 +23,11 @@ namespace raig::bvh {
 /// At most 2^27 triangles, and no more than the memory budget: one copy of the tree instead of eight where eight exceed it, with a
 /// remark; throws limitError beyond. Walk "auto" is octants with 16-bit planes, the fastest measured on lavapipe, unless their
 /// grid is too coarse for the scene's triangles (more than half the median leaf's extent a step); then with 32 bits.
-Structure build(std::span<const Triangle> triangles, const BuildParams& params);
+Structure build(std::span<const Primitive> triangles, const BuildParams& params);
 
 /// Names the first broken invariant, or nothing if all hold: each usable triangle is in a leaf, the corners as given, and no other
 /// is; every bound contains its children's boxes and its triangles, those that spatial splits cut by the parts in all their
 /// leaves; i < skip <= node count; leaves hold 1 to 15; all copies of the tree have the same leaves.
-std::optional<std::string> findFault(const Structure& structure, std::span<const Triangle> triangles);
+std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles);
 
 }  // namespace raig::bvh

@@ -25,14 +25,32 @@ double diagonal(const std::array<int, 3>& signs, const vec3& p) {
     return signs[0] * double{p.x} + signs[1] * double{p.y} + signs[2] * double{p.z};
 }
 
-OrientedBox boxAlong(const std::array<vec3, 3>& axes, std::span<const vec3> points) {
+/// The extent of a ball along an axis, to some roundings of numbers up to 2: `least` is rounded down in no way.
+struct Extent {
+    double least, most;
+};
+
+Extent extentAlong(const vec3& axis, const Ball& ball) {
+    const double at = glm::dot(dvec3(axis), dvec3(ball.centre)), reach = ball.radius * glm::length(dvec3(axis));
+    return {at - reach, at + reach};
+}
+
+/// As Kdop's slabs lie. Sums of three floats of a scene's extent are nearly always exact; what a ball's radius adds is not.
+Extent extentAlong(int slab, const Ball& ball) {
+    const double at = slab < 3 ? double{ball.centre[slab]} : diagonal(diagonals[slab - 3], ball.centre);
+    if (ball.radius == 0.0f) return {at, at};
+    const double reach = ball.radius * (slab < 3 ? 1.0 : std::sqrt(3.0)) + margin;
+    return {at - reach, at + reach};
+}
+
+OrientedBox boxAlong(const std::array<vec3, 3>& axes, std::span<const Ball> balls) {
     OrientedBox box{axes, vec3(0.0f), vec3(0.0f)};
     for (int i = 0; i < 3; ++i) {
         double lo = infinity, hi = -infinity;
-        for (const vec3& p : points) {
-            const double along = glm::dot(dvec3(axes[i]), dvec3(p));
-            lo = std::min(lo, along);
-            hi = std::max(hi, along);
+        for (const Ball& ball : balls) {
+            const Extent along = extentAlong(axes[i], ball);
+            lo = std::min(lo, along.least);
+            hi = std::max(hi, along.most);
         }
         box.lo[i] = roundedDown(lo - margin);
         box.hi[i] = roundedUp(hi + margin);
@@ -76,12 +94,12 @@ std::array<dvec3, 3> eigenvectors(double (&m)[3][3]) {
     return result;
 }
 
-std::array<vec3, 3> principalAxes(std::span<const vec3> points) {
+std::array<vec3, 3> principalAxes(std::span<const Ball> balls) {
     dvec3 mean(0.0);
-    for (const vec3& p : points) mean += dvec3(p) / static_cast<double>(points.size());
+    for (const Ball& ball : balls) mean += dvec3(ball.centre) / static_cast<double>(balls.size());
     double covariance[3][3] = {};
-    for (const vec3& p : points) {
-        const dvec3 d = dvec3(p) - mean;
+    for (const Ball& ball : balls) {
+        const dvec3 d = dvec3(ball.centre) - mean;
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) covariance[i][j] += d[i] * d[j];
     }
@@ -91,41 +109,50 @@ std::array<vec3, 3> principalAxes(std::span<const vec3> points) {
 
 }  // namespace
 
-Sphere sphereAround(std::span<const vec3> points) {
+Sphere sphereAround(std::span<const Ball> balls) {
+    const auto reachFrom = [](const dvec3& centre, const Ball& ball) {
+        const dvec3 d = dvec3(ball.centre) - centre;
+        return std::sqrt(glm::dot(d, d)) + ball.radius;
+    };
     const auto farthestFrom = [&](const dvec3& centre) {
         size_t farthest = 0;
         double most = -1.0;
-        for (size_t i = 0; i < points.size(); ++i) {
-            const dvec3 d = dvec3(points[i]) - centre;
-            if (glm::dot(d, d) > most) {
-                most = glm::dot(d, d);
+        for (size_t i = 0; i < balls.size(); ++i) {
+            const double reach = reachFrom(centre, balls[i]);
+            if (reach > most) {
+                most = reach;
                 farthest = i;
             }
         }
         return farthest;
     };
-    dvec3 centre(points[0]);
-    const int steps = static_cast<int>(std::clamp<size_t>((1u << 20) / points.size(), 8, 64));
-    for (int i = 1; i <= steps; ++i) centre += (dvec3(points[farthestFrom(centre)]) - centre) / (i + 1.0);
+    dvec3 centre(balls[0].centre);
+    const int steps = static_cast<int>(std::clamp<size_t>((1u << 20) / balls.size(), 8, 64));
+    for (int i = 1; i <= steps; ++i) {
+        const Ball& ball = balls[farthestFrom(centre)];
+        const dvec3 d = dvec3(ball.centre) - centre;
+        const double length = std::sqrt(glm::dot(d, d));
+        // Towards the farthest point of the ball.
+        if (length > 0.0) centre += d * ((length + ball.radius) / length / (i + 1.0));
+    }
     const vec3 rounded(centre);
-    const dvec3 d = dvec3(points[farthestFrom(dvec3(rounded))]) - dvec3(rounded);
-    return {rounded, roundedUp(std::sqrt(glm::dot(d, d)) + margin)};
+    return {rounded, roundedUp(reachFrom(dvec3(rounded), balls[farthestFrom(dvec3(rounded))]) + margin)};
 }
 
-OrientedBox orientedBoxAround(std::span<const vec3> points) {
-    const OrientedBox straight = boxAlong({vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1)}, points);
-    const OrientedBox turned = boxAlong(principalAxes(points), points);
+OrientedBox orientedBoxAround(std::span<const Ball> balls) {
+    const OrientedBox straight = boxAlong({vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1)}, balls);
+    const OrientedBox turned = boxAlong(principalAxes(balls), balls);
     return halfArea(turned) < halfArea(straight) ? turned : straight;
 }
 
-Kdop kdopAround(std::span<const vec3> points) {
+Kdop kdopAround(std::span<const Ball> balls) {
     Kdop kdop;
     for (int slab = 0; slab < Kdop::slabs; ++slab) {
         double lo = infinity, hi = -infinity;
-        for (const vec3& p : points) {
-            const double along = slab < 3 ? double{p[slab]} : diagonal(diagonals[slab - 3], p);
-            lo = std::min(lo, along);
-            hi = std::max(hi, along);
+        for (const Ball& ball : balls) {
+            const Extent along = extentAlong(slab, ball);
+            lo = std::min(lo, along.least);
+            hi = std::max(hi, along.most);
         }
         kdop.lo[slab] = roundedDown(lo);
         kdop.hi[slab] = roundedUp(hi);
@@ -133,23 +160,23 @@ Kdop kdopAround(std::span<const vec3> points) {
     return kdop;
 }
 
-bool contains(const Sphere& sphere, const vec3& point) {
-    const dvec3 d = dvec3(point) - dvec3(sphere.centre);
-    return std::sqrt(glm::dot(d, d)) <= double{sphere.radius} + margin;
+bool contains(const Sphere& sphere, const Ball& ball) {
+    const dvec3 d = dvec3(ball.centre) - dvec3(sphere.centre);
+    return std::sqrt(glm::dot(d, d)) + ball.radius <= double{sphere.radius} + margin;
 }
 
-bool contains(const OrientedBox& box, const vec3& point) {
+bool contains(const OrientedBox& box, const Ball& ball) {
     for (int i = 0; i < 3; ++i) {
-        const double along = glm::dot(dvec3(box.axes[i]), dvec3(point));
-        if (!(along >= box.lo[i] - margin && along <= box.hi[i] + margin)) return false;
+        const Extent along = extentAlong(box.axes[i], ball);
+        if (!(along.least >= box.lo[i] - margin && along.most <= box.hi[i] + margin)) return false;
     }
     return true;
 }
 
-bool contains(const Kdop& kdop, const vec3& point) {
+bool contains(const Kdop& kdop, const Ball& ball) {
     for (int slab = 0; slab < Kdop::slabs; ++slab) {
-        const double along = slab < 3 ? double{point[slab]} : diagonal(diagonals[slab - 3], point);
-        if (!(along >= kdop.lo[slab] && along <= kdop.hi[slab])) return false;
+        const Extent along = extentAlong(slab, ball);
+        if (!(along.least >= kdop.lo[slab] && along.most <= kdop.hi[slab])) return false;
     }
     return true;
 }

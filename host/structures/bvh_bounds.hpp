@@ -26,23 +26,29 @@ struct Kdop {
     std::array<float, slabs> lo, hi;
 };
 
+/// What is bounded: a corner of a triangle (radius 0), or a sphere. Seen from the scene's lower corner, too.
+struct Ball {
+    vec3 centre;
+    float radius;
+};
+
 /// The four diagonals of Kdop, as signs.
 inline constexpr std::array<std::array<int, 3>, 4> diagonals = {{{1, 1, 1}, {-1, 1, 1}, {1, -1, 1}, {1, 1, -1}}};
 
-/// A sphere around all points, some percent larger than the smallest. Up to 64 looks at each point.
+/// A sphere around all balls, some percent larger than the smallest. Up to 64 looks at each ball.
 /// Source: Badoiu and Clarkson 2003, "Smaller Core-Sets for Balls".
-Sphere sphereAround(std::span<const vec3> points);
+Sphere sphereAround(std::span<const Ball> balls);
 
-/// The smaller, by area, of the boxes along the points' principal axes and along the coordinates' axes. O(points).
+/// The smaller, by area, of the boxes along the balls' principal axes and along the coordinates' axes. O(balls).
 /// Source: Gottschalk, Lin, Manocha 1996, "OBBTree: A Hierarchical Structure for Rapid Interference Detection".
-OrientedBox orientedBoxAround(std::span<const vec3> points);
+OrientedBox orientedBoxAround(std::span<const Ball> balls);
 
-/// O(points). Source: Kay and Kajiya 1986, "Ray Tracing Complex Scenes".
-Kdop kdopAround(std::span<const vec3> points);
+/// O(balls). Source: Kay and Kajiya 1986, "Ray Tracing Complex Scenes".
+Kdop kdopAround(std::span<const Ball> balls);
 
-/// The bounds contain the point, in double precision (exact to 2^-45 for coordinates up to 2).
-bool contains(const Sphere& sphere, const vec3& point);
-bool contains(const OrientedBox& box, const vec3& point);
-bool contains(const Kdop& kdop, const vec3& point);
+/// The bounds contain the ball, in double precision (exact to 2^-45 for coordinates up to 2).
+bool contains(const Sphere& sphere, const Ball& ball);
+bool contains(const OrientedBox& box, const Ball& ball);
+bool contains(const Kdop& kdop, const Ball& ball);
 
 }  // namespace raig::bvh

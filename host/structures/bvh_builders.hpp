@@ -34,7 +34,7 @@ BinaryTree buildMorton(std::vector<BoxReference> references, uint32_t maxLeaf);
 /// instead, if that is cheaper. At most `budget` references more than triangles in all. O(n log n) expected.
 /// `unit` brings coordinates to magnitudes of at most 2. Leaves may share triangles; a node's box bounds the parts in it.
 /// Source: Stich, Friedrich, Dietrich 2009, "Spatial Splits in Bounding Volume Hierarchies".
-BinaryTree buildSpatialSplits(std::vector<BoxReference> references, std::span<const Triangle> triangles, float unit,
+BinaryTree buildSpatialSplits(std::vector<BoxReference> references, std::span<const Primitive> triangles, float unit,
                               uint32_t maxLeaf, const SahCosts& costs, uint64_t budget);
 
 }  // namespace raig

@@ -72,21 +72,19 @@ private:
         if (first + count > structure_.header.triangleCount) return at(index, "its triangles are out of range");
         for (uint32_t i = first; i < first + count; ++i) {
             if (++seen_[i] != 1) return at(index, "its triangles are in another leaf, too");
-            const Triangle triangle = referencedTriangle(structure_, i);
+            const Primitive triangle = referencedPrimitive(structure_, i);
             if (boxes_) {
                 const Box box = triangle.box();
                 if (!contains(node.extent(), dvec3(box.lo), dvec3(box.hi)))
                     parts_[referencedId(structure_, i)].push_back(node.extent());
                 continue;
             }
-            if (!holds(node, triangle)) return at(index, "a triangle sticks out of its bound");
+            if (!node.holds(triangle)) return at(index, "a triangle sticks out of its bound");
             for (const Open& outer : open_)
-                if (!holds(outer.node, triangle)) return at(index, "a triangle sticks out of the bound of a node above");
+                if (!outer.node.holds(triangle)) return at(index, "a triangle sticks out of the bound of a node above");
         }
         return std::nullopt;
     }
-
-    static bool holds(const LaidNode& node, const Triangle& t) { return node.holds(t.a) && node.holds(t.b) && node.holds(t.c); }
 
     const Structure& structure_;
     uint32_t octant_;
@@ -96,25 +94,38 @@ private:
     std::vector<Open> open_;
 };
 
-/// Triangles that no leaf's box holds as a whole must lie in their leaves' boxes together: looked at in places spread over them.
-std::optional<std::string> findUncovered(const Parts& parts, std::span<const Triangle> triangles, float unit) {
+/// Points spread over a primitive, in the structure's unit.
+std::vector<dvec3> pointsOf(const Primitive& primitive) {
     constexpr int steps = 8;
-    for (const auto& [id, boxes] : parts) {
-        const Triangle& t = triangles[id];
-        const dvec3 a(t.a * unit), b(t.b * unit), c(t.c * unit);
-        for (int i = 0; i <= steps; ++i)
-            for (int j = 0; i + j <= steps; ++j) {
-                // Not one of the corners' own roundings matters: boxes are rounded outwards by more.
-                const dvec3 p = a + (b - a) * (i / double{steps}) + (c - a) * (j / double{steps}), slack(0x1p-40);
-                const auto holds = [&](const LaidNode::Extent& box) { return contains({box.lo - slack, box.hi + slack}, p, p); };
-                if (std::none_of(boxes.begin(), boxes.end(), holds))
-                    return fmt::format("triangle {} sticks out of the boxes of its leaves", id);
-            }
+    std::vector<dvec3> points;
+    const dvec3 a(primitive.a), b(primitive.b), c(primitive.c);
+    for (int i = 0; i <= steps; ++i)
+        for (int j = 0; i + j <= steps && !primitive.isSphere(); ++j)
+            points.push_back(a + (b - a) * (i / double{steps}) + (c - a) * (j / double{steps}));
+    // Along the spiral of equal areas [Saff, Kuijlaars 1997, "Distributing Many Points on a Sphere"].
+    constexpr int around = 96;
+    for (int i = 0; i < around && primitive.isSphere(); ++i) {
+        const double z = 1.0 - (2.0 * i + 1.0) / around, r = std::sqrt(1.0 - z * z), angle = 2.399963229728653 * i;
+        points.push_back(a + double{primitive.radius()} * dvec3(r * std::cos(angle), r * std::sin(angle), z));
     }
+    return points;
+}
+
+/// Primitives that no leaf's box holds as a whole must lie in their leaves' boxes together: looked at in places spread over
+/// them.
+std::optional<std::string> findUncovered(const Parts& parts, std::span<const Primitive> triangles, float unit) {
+    for (const auto& [id, boxes] : parts)
+        for (const dvec3& p : pointsOf(triangles[id].scaled(unit))) {
+            // Not one of the corners' own roundings matters: boxes are rounded outwards by more.
+            const dvec3 slack(0x1p-40);
+            const auto holds = [&](const LaidNode::Extent& box) { return contains({box.lo - slack, box.hi + slack}, p, p); };
+            if (std::none_of(boxes.begin(), boxes.end(), holds))
+                return fmt::format("triangle {} sticks out of the boxes of its leaves", id);
+        }
     return std::nullopt;
 }
 
-std::optional<std::string> findReferenceFault(const Structure& structure, std::span<const Triangle> triangles) {
+std::optional<std::string> findReferenceFault(const Structure& structure, std::span<const Primitive> triangles) {
     std::vector<uint8_t> referenced(triangles.size());
     for (uint32_t i = 0; i < structure.header.triangleCount; ++i) {
         const uint32_t id = referencedId(structure, i);
@@ -130,7 +141,7 @@ std::optional<std::string> findReferenceFault(const Structure& structure, std::s
 
 }  // namespace
 
-std::optional<std::string> findFault(const Structure& structure, std::span<const Triangle> triangles) {
+std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles) {
     const StructureHeader& header = structure.header;
     if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
         return "triangle count and array differ";

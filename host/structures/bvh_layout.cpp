@@ -54,18 +54,20 @@ struct NodeBounds {
 /// coordinates are as exact as they can be. It is rounded by less than the slack of the walk.
 vec3 fromCorner(const vec3& point, const StructureHeader& header) { return point - header.gridOrigin; }
 
-/// The corners of the triangles below each node in turn, as seen from the scene's lower corner.
+/// The corners of the triangles below each node in turn, and the spheres (three times), as seen from the scene's lower corner.
 class Corners {
 public:
-    Corners(const BinaryTree& tree, std::span<const Triangle> triangles, const StructureHeader& header) : tree_(tree) {
+    Corners(const BinaryTree& tree, std::span<const Primitive> triangles, const StructureHeader& header) : tree_(tree) {
         corners_.reserve(tree.references.size() * 3);
         for (const BoxReference& reference : tree.references) {
-            const Triangle& t = triangles[reference.id];
-            for (const vec3& corner : {t.a, t.b, t.c}) corners_.push_back(fromCorner(corner * header.unit, header));
+            const Primitive t = triangles[reference.id].scaled(header.unit);
+            const Ball sphere{fromCorner(t.centre(), header), t.radius()};
+            for (const vec3& corner : {t.a, t.b, t.c})
+                corners_.push_back(t.isSphere() ? sphere : Ball{fromCorner(corner, header), 0.0f});
         }
     }
     /// References of a subtree lie side by side: from those of its first leaf to those of its last.
-    std::span<const vec3> below(uint32_t index) const {
+    std::span<const Ball> below(uint32_t index) const {
         uint32_t first = index, last = index;
         while (tree_.nodes[first].count == 0) first = tree_.childrenOf(tree_.nodes[first]).front();
         while (tree_.nodes[last].count == 0) last = tree_.childrenOf(tree_.nodes[last]).back();
@@ -75,10 +77,10 @@ public:
 
 private:
     const BinaryTree& tree_;
-    std::vector<vec3> corners_;
+    std::vector<Ball> corners_;
 };
 
-NodeBounds boundNodes(const BinaryTree& tree, std::span<const Triangle> triangles, const StructureHeader& header) {
+NodeBounds boundNodes(const BinaryTree& tree, std::span<const Primitive> triangles, const StructureHeader& header) {
     NodeBounds bounds;
     const size_t count = tree.nodes.size();
     const auto fill = [&](auto& array, const auto& boundOf) {
@@ -299,7 +301,7 @@ uint32_t copies(const Structure& structure) {
     return structure.header.walk == shared::WALK_SKIP ? 1 : 8;
 }
 
-void layOut(const BinaryTree& tree, std::span<const Triangle> triangles, const BuildParams& params, Structure& structure) {
+void layOut(const BinaryTree& tree, std::span<const Primitive> triangles, const BuildParams& params, Structure& structure) {
     static constexpr std::string_view names[] = {"skip links",           "octants",       "octants, 16-bit planes",
                                                  "octants, spheres", "octants, oriented boxes", "octants, 14-plane slabs"};
     StructureHeader& header = structure.header;
@@ -370,13 +372,18 @@ bool LaidNode::isTame() const {
     return tame && isSmall(vec3(number(texels_[1].w), number(texels_[2].w), number(texels_[3].w)));
 }
 
-bool LaidNode::holds(const vec3& absolute) const {
-    const vec3 point = fromCorner(absolute, header_);
+bool LaidNode::holds(const Primitive& primitive) const {
+    if (primitive.isSphere()) return holds(primitive.centre(), primitive.radius());
+    return holds(primitive.a, 0.0f) && holds(primitive.b, 0.0f) && holds(primitive.c, 0.0f);
+}
+
+bool LaidNode::holds(const vec3& centre, float radius) const {
+    const Ball ball{fromCorner(centre, header_), radius};
     switch (header_.walk) {
-    case shared::WALK_SPHERES: return contains(Sphere{numbers(texels_[0]), number(texels_[1].x)}, point);
+    case shared::WALK_SPHERES: return contains(Sphere{numbers(texels_[0]), number(texels_[1].x)}, ball);
     case shared::WALK_OBBS:
         return contains(OrientedBox{{numbers(texels_[0]), numbers(texels_[1]), numbers(texels_[2])}, numbers(texels_[3]),
-                                    vec3(number(texels_[1].w), number(texels_[2].w), number(texels_[3].w))}, point);
+                                    vec3(number(texels_[1].w), number(texels_[2].w), number(texels_[3].w))}, ball);
     case shared::WALK_KDOPS: {
         Kdop kdop;
         for (int i = 0; i < 3; ++i) {
@@ -387,11 +394,12 @@ bool LaidNode::holds(const vec3& absolute) const {
             kdop.lo[3 + i] = number(texels_[2][i]);
             kdop.hi[3 + i] = number(texels_[3][i]);
         }
-        return contains(kdop, point);
+        return contains(kdop, ball);
     }
     default: {
         const Extent box = extent();
-        return glm::all(glm::lessThanEqual(box.lo, dvec3(absolute))) && glm::all(glm::lessThanEqual(dvec3(absolute), box.hi));
+        const Box own = sphereBox(centre, radius);
+        return glm::all(glm::lessThanEqual(box.lo, dvec3(own.lo))) && glm::all(glm::lessThanEqual(dvec3(own.hi), box.hi));
     }
     }
 }

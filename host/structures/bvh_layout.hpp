@@ -10,7 +10,7 @@ namespace raig::bvh {
 /// allows one copy of the tree only. Requires header.lo, hi and nodeCount, and options that bvh offers.
 /// Throws limitError if the nodes and references exceed the budget all the same.
 /// O(nodes), the octants in parallel; other bounds than boxes take O(depth) looks at each triangle.
-void layOut(const BinaryTree& tree, std::span<const Triangle> triangles, const BuildParams& params, Structure& structure);
+void layOut(const BinaryTree& tree, std::span<const Primitive> triangles, const BuildParams& params, Structure& structure);
 
 /// Sets the grid of 16-bit planes over lo and hi: q stands for origin + q * step, so that 0 lies at or below lo and 65535 at
 /// or above hi.
@@ -22,8 +22,8 @@ public:
     LaidNode(const Structure& structure, uint32_t octant, uint32_t index);
 
     uint32_t word() const;
-    /// True if the bound holds the point, in the structure's unit, exactly (other bounds than boxes: in double).
-    bool holds(const vec3& absolute) const;
+    /// True if the bound holds the primitive, in the structure's unit, exactly (other bounds than boxes: in double).
+    bool holds(const Primitive& primitive) const;
     /// False if a number of another bound than a box is too large, or an axis too long, for the margins of the walk.
     bool isTame() const;
     struct Extent {
@@ -33,6 +33,8 @@ public:
     Extent extent() const;
 
 private:
+    bool holds(const vec3& centre, float radius) const;
+
     const StructureHeader& header_;
     uint32_t octant_;
     const uvec4* texels_;

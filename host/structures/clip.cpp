@@ -1,6 +1,8 @@
 #include "structures/clip.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace raig {
@@ -45,9 +47,39 @@ float roundedUp(double x) {
     return f < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
 }
 
+/// The interval of an axis in which a sphere has points that are at least `off` from its centre's along the others.
+/// Squares of coordinates below 2 are rounded by less than `margin`, and so are roots, but for those near 0.
+struct Interval {
+    double lo, hi;
+};
+Interval slice(double centre, double radius, double squaredOff) {
+    const double rest = radius * radius - squaredOff + margin;
+    const double half = rest > 0.0 ? std::sqrt(rest) : 0.0;
+    return {centre - half - margin, centre + half + margin};
+}
+
+/// The sphere's box, cut to the box, and along each axis to where the other two leave room for it.
+Box clippedSphere(const Primitive& sphere, const Box& box) {
+    const Box whole = sphere.box();
+    const dvec3 centre(sphere.centre()), below = dvec3(box.lo) - centre, above = centre - dvec3(box.hi);
+    const double radius = sphere.radius();
+    const dvec3 near = glm::max(glm::max(below, above), 0.0), far = glm::max(glm::abs(below), glm::abs(above));
+    if (glm::length(near) > radius + margin || glm::length(far) < radius - margin) return {};
+    Box result;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double off = glm::dot(near, near) - near[axis] * near[axis];
+        const Interval left = slice(centre[axis], radius, off);
+        result.lo[axis] = std::max({box.lo[axis], whole.lo[axis], roundedDown(left.lo)});
+        result.hi[axis] = std::min({box.hi[axis], whole.hi[axis], roundedUp(left.hi)});
+    }
+    return result.empty() ? Box{} : result;
+}
+
 }  // namespace
 
-Box clippedBounds(const Triangle& triangle, const Box& box) {
+Box clippedBounds(const Primitive& primitive, const Box& box) {
+    if (primitive.isSphere()) return clippedSphere(primitive, box);
+    const Primitive& triangle = primitive;
     const Box whole = triangle.box();
     Polygon polygon;
     polygon.add(dvec3(triangle.a));

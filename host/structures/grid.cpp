@@ -22,7 +22,7 @@ constexpr uint64_t mostReferences = 20, mostInCells = 4;
 
 /// The usable triangles in the structure's unit, in the order in which they lie in memory.
 struct Members {
-    std::vector<Triangle> triangles;
+    std::vector<Primitive> triangles;
     std::vector<uint32_t> ids;
     Box bounds;
     float unit = 1.0f;
@@ -38,7 +38,7 @@ uint32_t mortonCode(const dvec3& point) {
     return code;
 }
 
-Members membersOf(std::span<const Triangle> triangles) {
+Members membersOf(std::span<const Primitive> triangles) {
     Members members;
     std::vector<uint8_t> usable(triangles.size());
     parallelFor(triangles.size(), 4096, [&](size_t begin, size_t end) {
@@ -66,8 +66,7 @@ Members membersOf(std::span<const Triangle> triangles) {
     parallelFor(keys.size(), 4096, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
             members.ids[i] = static_cast<uint32_t>(keys[i]);
-            const Triangle& t = triangles[members.ids[i]];
-            members.triangles[i] = {t.a * members.unit, t.b * members.unit, t.c * members.unit};
+            members.triangles[i] = triangles[members.ids[i]].scaled(members.unit);
         }
     });
     return members;
@@ -259,7 +258,7 @@ void measure(const Grid& grid, Structure& structure) {
 
 }  // namespace
 
-Structure build(std::span<const Triangle> triangles, const BuildParams& params) {
+Structure build(std::span<const Primitive> triangles, const BuildParams& params) {
     refuseOtherOptions(params, "grid", {"--grid-density", "--levels"});
     if (triangles.size() > mostTriangles)
         throw limitError("grid holds at most {} triangles; the scene has {}", mostTriangles, triangles.size());

@@ -23,12 +23,12 @@ namespace raig::grid {
 /// gridDensity, cells become fewer until references are at most 20 times the triangles; with it or not, until the structure
 /// is within the budget. O(triangles + cells + references).
 /// Throws limitError beyond 2^27 triangles.
-Structure build(std::span<const Triangle> triangles, const BuildParams& params);
+Structure build(std::span<const Primitive> triangles, const BuildParams& params);
 
 /// Names the first broken invariant, or nothing if all hold: each usable triangle is there once, the corners as given;
 /// planes are exact and increase, and the grid holds the scene with a margin around it; every list is in order, without
 /// repetition, inside the lists, and ends; crowded cells' parts lie apart and inside; every cell and part lists each
 /// triangle that clipping says comes near it, and none that stays away from it along an axis.
-std::optional<std::string> findFault(const Structure& structure, std::span<const Triangle> triangles);
+std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles);
 
 }  // namespace raig::grid

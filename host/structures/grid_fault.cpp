@@ -20,8 +20,9 @@ uint32_t wordAt(const Structure& structure, uint64_t index) {
     return structure.nodes[index / 4][static_cast<int>(index % 4)];
 }
 
-/// True if something of the triangle lies in the box: cut by its six half-spaces in turn.
-bool comesInto(const Triangle& t, const dvec3& lo, const dvec3& hi) {
+/// True if something of the triangle lies in the box: cut by its six half-spaces in turn. Or of the sphere, for certain.
+bool comesInto(const Primitive& t, const dvec3& lo, const dvec3& hi) {
+    if (t.isSphere()) return isSurelyIn(t, lo, hi);
     std::vector<dvec3> polygon = {dvec3(t.a), dvec3(t.b), dvec3(t.c)};
     for (int axis = 0; axis < 3 && !polygon.empty(); ++axis)
         polygon = partOfPolygon(partOfPolygon(polygon, axis, lo[axis], -1.0), axis, hi[axis], 1.0);
@@ -31,7 +32,7 @@ bool comesInto(const Triangle& t, const dvec3& lo, const dvec3& hi) {
 /// The bounds tell the walk how far away the scene is.
 Fault findBoundsFault(const Structure& structure) {
     Box bounds;
-    for (uint32_t i = 0; i < structure.header.triangleCount; ++i) bounds.grow(referencedTriangle(structure, i).box());
+    for (uint32_t i = 0; i < structure.header.triangleCount; ++i) bounds.grow(referencedPrimitive(structure, i).box());
     if (bounds.lo != structure.header.lo || bounds.hi != structure.header.hi) return "the bounds are not the triangles'";
     return std::nullopt;
 }
@@ -111,7 +112,7 @@ private:
             const uint32_t reference = wordAt(structure_, listsBegin() + i - 1), number = reference & ~lastBit;
             if (number >= structure_.header.triangleCount) return at(cell, "it lists a triangle that is not there");
             if (i > begin && number <= previous) return at(cell, "its list is not in order");
-            const Box box = referencedTriangle(structure_, number).box();
+            const Box box = referencedPrimitive(structure_, number).box();
             if (glm::any(glm::lessThan(dvec3(box.hi), lo)) || glm::any(glm::lessThan(hi, dvec3(box.lo))))
                 return at(cell, fmt::format("it lists triangle {}, which is not there", number));
             previous = number;
@@ -126,7 +127,7 @@ private:
     }
 
     Fault findMissing(uint32_t member) const {
-        const Triangle triangle = referencedTriangle(structure_, member);
+        const Primitive triangle = referencedPrimitive(structure_, member);
         const Box box = triangle.box();
         const double margin = leastMargin * lattice_.margin;
         const dvec3 most = dvec3(lattice_.count) - 1.0;
@@ -188,7 +189,7 @@ Fault findPartFault(const Structure& structure, const Shape& shape, const Lattic
 
 }  // namespace
 
-std::optional<std::string> findFault(const Structure& structure, std::span<const Triangle> triangles) {
+std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles) {
     const StructureHeader& header = structure.header;
     if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
         return "triangle count and array differ";

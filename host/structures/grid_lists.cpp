@@ -22,7 +22,7 @@ void sumUp(std::vector<uint32_t>& counts) {
 
 }  // namespace
 
-std::optional<Lists> listCells(const Lattice& lattice, std::span<const Triangle> triangles, uint64_t most) {
+std::optional<Lists> listCells(const Lattice& lattice, std::span<const Primitive> triangles, uint64_t most) {
     Lists lists;
     lists.begins.assign(lattice.cells() + 1, 0);
     std::atomic<uint64_t> total = 0;
@@ -52,7 +52,7 @@ std::optional<Lists> listCells(const Lattice& lattice, std::span<const Triangle>
     return lists;
 }
 
-std::optional<Lists> listParts(const Lattice& lattice, std::span<const Triangle> triangles,
+std::optional<Lists> listParts(const Lattice& lattice, std::span<const Primitive> triangles,
                                std::span<const uint32_t> members, uint64_t most) {
     struct Pair {
         uint32_t cell, member;

@@ -21,10 +21,10 @@ struct Lists {
 
 /// The lists of a lattice's cells over all triangles; nothing if they would be more than `most` references.
 /// Parallel, the same for any number of threads. O(references log(list)).
-std::optional<Lists> listCells(const Lattice& lattice, std::span<const Triangle> triangles, uint64_t most);
+std::optional<Lists> listCells(const Lattice& lattice, std::span<const Primitive> triangles, uint64_t most);
 
 /// The same over triangles[members[i]], on the calling thread.
-std::optional<Lists> listParts(const Lattice& lattice, std::span<const Triangle> triangles,
+std::optional<Lists> listParts(const Lattice& lattice, std::span<const Primitive> triangles,
                                std::span<const uint32_t> members, uint64_t most);
 
 }  // namespace raig::grid

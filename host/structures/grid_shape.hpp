@@ -46,8 +46,8 @@ Shape shapeOf(const Structure& structure);
 /// Calls emit(index) for each cell that the triangle overlaps, as its box test has it, until it returns false. Halves blocks
 /// of cells as long as the triangle overlaps them: so it costs what is found, not the cells in the triangle's bounds.
 template <class Emit>
-void forEachCell(const Triangle& triangle, const Lattice& lattice, const Emit& emit) {
-    const TriangleBoxTest test(triangle);
+void forEachCell(const Primitive& triangle, const Lattice& lattice, const Emit& emit) {
+    const PrimitiveBoxTest test(triangle);
     const Box box = triangle.box();
     const dvec3 most = dvec3(lattice.count) - 1.0;
     const dvec3 low = glm::ceil((dvec3(box.lo) - lattice.margin - lattice.origin) / lattice.step) - 1.0;

@@ -57,7 +57,7 @@ TreeParams treeParams(const BuildParams& params, uint64_t count) {
 }
 
 /// The usable triangles' boxes, in the structure's unit.
-std::vector<BoxReference> referencesOf(std::span<const Triangle> scaled, const std::vector<uint8_t>& usable) {
+std::vector<BoxReference> referencesOf(std::span<const Primitive> scaled, const std::vector<uint8_t>& usable) {
     std::vector<BoxReference> references;
     for (size_t i = 0; i < scaled.size(); ++i) {
         if (usable[i] == 0) continue;
@@ -68,7 +68,7 @@ std::vector<BoxReference> referencesOf(std::span<const Triangle> scaled, const s
 }
 
 /// Writes nodes and lists; triangles in the order in which the lists name them first.
-void layOut(const Tree& tree, std::span<const Triangle> triangles, uint64_t count, Structure& structure) {
+void layOut(const Tree& tree, std::span<const Primitive> triangles, uint64_t count, Structure& structure) {
     const bool bare = tree.nodes.empty();  // the root is a leaf: below a node that cuts nothing off
     const auto end = static_cast<uint32_t>(rootNode + (bare ? 1 : tree.nodes.size()));
     structure.header.nodeCount = end - rootNode;
@@ -100,12 +100,12 @@ void layOut(const Tree& tree, std::span<const Triangle> triangles, uint64_t coun
     structure.header.triangleCount = next;
 }
 
-void buildOver(std::span<const Triangle> triangles, const std::vector<uint8_t>& usable, const TreeParams& params,
+void buildOver(std::span<const Primitive> triangles, const std::vector<uint8_t>& usable, const TreeParams& params,
                Structure& structure) {
     const float unit = structure.header.unit;
-    std::vector<Triangle> scaled(triangles.size());
+    std::vector<Primitive> scaled(triangles.size());
     for (size_t i = 0; i < triangles.size(); ++i)
-        scaled[i] = {triangles[i].a * unit, triangles[i].b * unit, triangles[i].c * unit};
+        scaled[i] = triangles[i].scaled(unit);
     std::vector<BoxReference> references = referencesOf(scaled, usable);
     const uint64_t count = references.size();
     const Box cell{structure.header.lo, structure.header.hi};
@@ -122,7 +122,7 @@ void buildOver(std::span<const Triangle> triangles, const std::vector<uint8_t>& 
 
 }  // namespace
 
-Structure build(std::span<const Triangle> triangles, const BuildParams& params) {
+Structure build(std::span<const Primitive> triangles, const BuildParams& params) {
     const auto start = std::chrono::steady_clock::now();
     std::vector<uint8_t> usable(triangles.size());
     parallelFor(triangles.size(), 4096, [&](size_t begin, size_t end) {

@@ -24,11 +24,11 @@ namespace raig::kdtree {
 /// Builds in O(n log^2 n), in parallel; the same bytes for any number of threads. At most 2^27 triangles: throws limitError
 /// beyond. Cells of at most maxLeaf triangles are not cut; maxTreeDepth is 64 at most. Stops cutting where that does not
 /// help, and before it exceeds the memory budget or 15 references a triangle more than there are triangles.
-Structure build(std::span<const Triangle> triangles, const BuildParams& params);
+Structure build(std::span<const Primitive> triangles, const BuildParams& params);
 
 /// Names the first broken invariant, or nothing if all hold: each usable triangle is listed once, the corners as given; the
 /// nodes are one tree, each plane in its cell; lists end; each part of a triangle is in a leaf that refers to it.
-std::optional<std::string> findFault(const Structure& structure, std::span<const Triangle> triangles);
+std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles);
 
 inline constexpr uint32_t rootNode = 1;
 /// Words of a child.

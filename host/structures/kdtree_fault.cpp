@@ -84,7 +84,7 @@ private:
     std::vector<bool> seen_;
 };
 
-/// Sends triangle `place` down the tree, cut by every plane, and looks for it where its parts arrive.
+/// Sends primitive `place` down the tree, cut by every plane, and looks for it where its parts arrive.
 class PartChecker {
 public:
     PartChecker(const Structure& structure, uint32_t place) : structure_(structure), place_(place) {}
@@ -109,6 +109,18 @@ public:
                (!(above || cut) || holds(node.w, cut ? partOfPolygon(polygon, axis, plane, -1.0) : polygon));
     }
 
+    /// True if all of the sphere that is surely in the cell of `word`, [lo, hi], is in leaves that refer to it.
+    bool holdsSphere(uint32_t word, const dvec3& lo, const dvec3& hi, const Primitive& sphere) const {
+        if (!isSurelyIn(sphere, lo, hi)) return true;
+        if (word == emptyCell) return false;
+        if ((word & leafBit) != 0) return isListed(word & ~leafBit);
+        const uvec4& node = structure_.nodes[word];
+        const auto axis = static_cast<int>(node.y);
+        dvec3 middleHi = hi, middleLo = lo;
+        middleHi[axis] = middleLo[axis] = std::bit_cast<float>(node.x);
+        return holdsSphere(node.z, lo, middleHi, sphere) && holdsSphere(node.w, middleLo, hi, sphere);
+    }
+
 private:
     bool isListed(uint32_t at) const {
         for (;; ++at) {
@@ -124,7 +136,7 @@ private:
 
 }  // namespace
 
-std::optional<std::string> findFault(const Structure& structure, std::span<const Triangle> triangles) {
+std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles) {
     const StructureHeader& header = structure.header;
     if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
         return "triangle count and array differ";
@@ -133,9 +145,11 @@ std::optional<std::string> findFault(const Structure& structure, std::span<const
     if (structure.nodes.empty()) return "triangles, but no nodes";
     if (auto fault = TreeChecker(structure).findFault()) return fault;
     for (uint32_t place = 0; place < header.triangleCount; ++place) {
-        const Triangle t = referencedTriangle(structure, place);
+        const Primitive t = referencedPrimitive(structure, place);
         if (!Box{header.lo, header.hi}.contains(t.box())) return fmt::format("place {} is outside the bounds", place);
-        if (!PartChecker(structure, place).holds(rootNode, {dvec3(t.a), dvec3(t.b), dvec3(t.c)}))
+        const PartChecker checker(structure, place);
+        if (t.isSphere() ? !checker.holdsSphere(rootNode, dvec3(header.lo), dvec3(header.hi), t)
+                         : !checker.holds(rootNode, {dvec3(t.a), dvec3(t.b), dvec3(t.c)}))
             return fmt::format("a part of triangle {} is in no leaf that refers to it", referencedId(structure, place));
     }
     return std::nullopt;

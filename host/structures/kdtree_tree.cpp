@@ -18,12 +18,12 @@ struct Halves {
     std::vector<BoxReference> below, above;
 };
 
-void append(const BoxReference& r, const Triangle& triangle, const Box& part, std::vector<BoxReference>& half) {
+void append(const BoxReference& r, const Primitive& triangle, const Box& part, std::vector<BoxReference>& half) {
     const Box box = clippedBounds(triangle, part);
     if (!box.empty()) half.push_back({box.lo, r.id, box.hi, 0});
 }
 
-Halves cutByPlane(std::span<const Triangle> triangles, std::span<const BoxReference> references, const Plane& plane) {
+Halves cutByPlane(std::span<const Primitive> triangles, std::span<const BoxReference> references, const Plane& plane) {
     Halves halves;
     for (const BoxReference& r : references) {
         const bool below = plane.cutsBelow(r), above = plane.cutsAbove(r);
@@ -41,7 +41,7 @@ Halves cutByPlane(std::span<const Triangle> triangles, std::span<const BoxRefere
 
 class TreeBuilder {
 public:
-    TreeBuilder(std::span<const Triangle> triangles, const TreeParams& params) : triangles_(triangles), params_(params) {}
+    TreeBuilder(std::span<const Primitive> triangles, const TreeParams& params) : triangles_(triangles), params_(params) {}
 
     /// Appends the subtree of the cell to `tree` and returns its word.
     uint32_t build(std::vector<BoxReference> references, const Box& cell, uint32_t depth, Allowance allowance,
@@ -114,13 +114,13 @@ private:
         return moved(other.root);
     }
 
-    std::span<const Triangle> triangles_;
+    std::span<const Primitive> triangles_;
     const TreeParams& params_;
 };
 
 }  // namespace
 
-Tree buildTree(std::span<const Triangle> triangles, std::vector<BoxReference> references, const Box& cell,
+Tree buildTree(std::span<const Primitive> triangles, std::vector<BoxReference> references, const Box& cell,
                const TreeParams& params) {
     Tree tree;
     const TreeBuilder builder(triangles, params);

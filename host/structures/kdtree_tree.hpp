@@ -43,7 +43,7 @@ struct TreeParams {
 /// Builds top down. Each half of a cell gets a share of what may still be added by its references, so that what comes out
 /// does not depend on the order in which tasks run. Requires triangles in the unit of a structure, `references` with their
 /// boxes, and `cell` around all of them.
-Tree buildTree(std::span<const Triangle> triangles, std::vector<BoxReference> references, const Box& cell,
+Tree buildTree(std::span<const Primitive> triangles, std::vector<BoxReference> references, const Box& cell,
                const TreeParams& params);
 
 }  // namespace raig::kdtree

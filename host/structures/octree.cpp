@@ -54,7 +54,7 @@ void setGrid(const Box& bounds, StructureHeader& header) {
 }
 
 /// Writes records and lists; triangles in the order in which the lists name them first.
-void layOut(const Tree& tree, std::span<const Triangle> triangles, uint64_t count, Structure& structure) {
+void layOut(const Tree& tree, std::span<const Primitive> triangles, uint64_t count, Structure& structure) {
     constexpr uint32_t none = 0xffffffffu;
     std::vector<uint32_t> places(triangles.size(), none);
     uint32_t next = 0;
@@ -91,14 +91,14 @@ void layOut(const Tree& tree, std::span<const Triangle> triangles, uint64_t coun
     }
 }
 
-void buildOver(std::span<const Triangle> triangles, const std::vector<uint8_t>& usable, uint64_t count,
+void buildOver(std::span<const Primitive> triangles, const std::vector<uint8_t>& usable, uint64_t count,
                const TreeParams& params, Structure& structure) {
     const float unit = structure.header.unit;
-    std::vector<Triangle> scaled(triangles.size());
+    std::vector<Primitive> scaled(triangles.size());
     std::vector<uint32_t> ids;
     ids.reserve(count);
     for (size_t i = 0; i < triangles.size(); ++i) {
-        scaled[i] = {triangles[i].a * unit, triangles[i].b * unit, triangles[i].c * unit};
+        scaled[i] = triangles[i].scaled(unit);
         if (usable[i] != 0) ids.push_back(static_cast<uint32_t>(i));
     }
     const Tree tree = buildTree(scaled, std::move(ids), structure.header, params);
@@ -117,7 +117,7 @@ void buildOver(std::span<const Triangle> triangles, const std::vector<uint8_t>& 
 
 }  // namespace
 
-Structure build(std::span<const Triangle> triangles, const BuildParams& params) {
+Structure build(std::span<const Primitive> triangles, const BuildParams& params) {
     const auto start = std::chrono::steady_clock::now();
     std::vector<uint8_t> usable(triangles.size());
     parallelFor(triangles.size(), 4096, [&](size_t begin, size_t end) {

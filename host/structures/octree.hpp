@@ -25,11 +25,11 @@ namespace raig::octree {
 /// maxTreeDepth (MAX_DEPTH, 20 at most), nor those where it does not help: a ray that meets a cell meets two of its eight
 /// parts, so it would be tested against a quarter of their references. Stops before it exceeds the memory budget, or 19
 /// references a triangle more than there are triangles.
-Structure build(std::span<const Triangle> triangles, const BuildParams& params);
+Structure build(std::span<const Primitive> triangles, const BuildParams& params);
 
 /// Names the first broken invariant, or nothing if all hold: each usable triangle is listed once, the corners as given; the
 /// records are one tree; lists end; each part of a triangle is in a leaf that refers to it.
-std::optional<std::string> findFault(const Structure& structure, std::span<const Triangle> triangles);
+std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles);
 
 inline constexpr uint32_t side = 1u << 22;  ///< of the root, in steps
 inline constexpr uint32_t mostLevels = 20;  ///< below the root

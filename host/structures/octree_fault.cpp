@@ -80,7 +80,7 @@ private:
     std::vector<bool> reached_, listed_;
 };
 
-/// Sends triangle `place` down the tree, cut by every plane, and looks for it where its parts arrive.
+/// Sends primitive `place` down the tree, cut by every plane, and looks for it where its parts arrive.
 class PartChecker {
 public:
     PartChecker(const Structure& structure, uint32_t place) : structure_(structure), place_(place) {}
@@ -92,7 +92,30 @@ public:
         return holdsParts(record, low, width / 2, 0, 0, polygon);
     }
 
+    /// True if all of the sphere that is surely in the cell of a record is in leaves that refer to it.
+    bool holdsSphere(uint32_t index, const uvec3& low, uint32_t width, const Primitive& sphere) const {
+        if (!isSurelyIn(sphere, cornerAt(low), cornerAt(low + width))) return true;
+        const uvec4& record = structure_.nodes[index];
+        if ((record.x & leafBit) != 0) return isListed(record.x & ~leafBit);
+        const uint32_t half = width / 2;
+        uint32_t child = record.x;
+        for (uint32_t octant = 0; octant < 8; ++octant) {
+            const uvec3 corner = low + half * uvec3(octant & 1, octant >> 1 & 1, octant >> 2);
+            if ((record.y >> octant & 1) == 0) {
+                if (isSurelyIn(sphere, cornerAt(corner), cornerAt(corner + half))) return false;
+            } else if (!holdsSphere(child++, corner, half, sphere)) {
+                return false;
+            }
+        }
+        return true;
+    }
+
 private:
+    dvec3 cornerAt(const uvec3& steps) const {
+        const StructureHeader& header = structure_.header;
+        return {planeAt(header, steps.x, 0), planeAt(header, steps.y, 1), planeAt(header, steps.z, 2)};
+    }
+
     /// The same of what lies in the halves of the cell that the bits of `octant` name, for the axes before `axis`.
     bool holdsParts(const uvec4& record, const uvec3& low, uint32_t half, int axis, uint32_t octant,
                     const std::vector<dvec3>& polygon) const {
@@ -142,7 +165,7 @@ Fault findGridFault(const StructureHeader& header) {
 
 }  // namespace
 
-std::optional<std::string> findFault(const Structure& structure, std::span<const Triangle> triangles) {
+std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles) {
     const StructureHeader& header = structure.header;
     if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
         return "triangle count and array differ";
@@ -152,9 +175,11 @@ std::optional<std::string> findFault(const Structure& structure, std::span<const
     if (auto fault = findGridFault(header)) return fault;
     if (auto fault = TreeChecker(structure).findFault()) return fault;
     for (uint32_t place = 0; place < header.triangleCount; ++place) {
-        const Triangle t = referencedTriangle(structure, place);
+        const Primitive t = referencedPrimitive(structure, place);
         if (!Box{header.lo, header.hi}.contains(t.box())) return fmt::format("place {} is outside the bounds", place);
-        if (!PartChecker(structure, place).holds(rootRecord, uvec3(0), side, {dvec3(t.a), dvec3(t.b), dvec3(t.c)}))
+        const PartChecker checker(structure, place);
+        if (t.isSphere() ? !checker.holdsSphere(rootRecord, uvec3(0), side, t)
+                         : !checker.holds(rootRecord, uvec3(0), side, {dvec3(t.a), dvec3(t.b), dvec3(t.c)}))
             return fmt::format("a part of triangle {} is in no leaf that refers to it", referencedId(structure, place));
     }
     return std::nullopt;

@@ -24,7 +24,7 @@ using Octants = std::array<std::vector<uint32_t>, 8>;
 
 class TreeBuilder {
 public:
-    TreeBuilder(std::span<const Triangle> triangles, const StructureHeader& header, const TreeParams& params)
+    TreeBuilder(std::span<const Primitive> triangles, const StructureHeader& header, const TreeParams& params)
         : triangles_(triangles), header_(header), params_(params) {}
 
     /// The subtree of a cell with something in it.
@@ -84,7 +84,7 @@ private:
             const Box box = triangles_[id].box();
             const glm::bvec3 below = glm::lessThanEqual(dvec3(box.lo), middle),
                              above = glm::greaterThanEqual(dvec3(box.hi), middle);
-            std::optional<TriangleBoxTest> test;
+            std::optional<PrimitiveBoxTest> test;
             for (uint32_t i = 0; i < 8; ++i) {
                 const glm::bvec3 upper(i & 1, i & 2, i & 4);
                 if (!glm::all(glm::mix(below, above, upper))) continue;
@@ -134,14 +134,14 @@ private:
         }
     }
 
-    std::span<const Triangle> triangles_;
+    std::span<const Primitive> triangles_;
     const StructureHeader& header_;
     const TreeParams& params_;
 };
 
 }  // namespace
 
-Tree buildTree(std::span<const Triangle> triangles, std::vector<uint32_t> ids, const StructureHeader& header,
+Tree buildTree(std::span<const Primitive> triangles, std::vector<uint32_t> ids, const StructureHeader& header,
                const TreeParams& params) {
     return TreeBuilder(triangles, header, params).build(std::move(ids), {uvec3(0), side, 0}, params.allowance);
 }

@@ -35,7 +35,7 @@ struct TreeParams {
 
 /// Builds top down. Requires triangles in the unit of a structure, and `ids` of those to build over, inside the header's
 /// grid.
-Tree buildTree(std::span<const Triangle> triangles, std::vector<uint32_t> ids, const StructureHeader& header,
+Tree buildTree(std::span<const Primitive> triangles, std::vector<uint32_t> ids, const StructureHeader& header,
                const TreeParams& params);
 
 }  // namespace raig::octree

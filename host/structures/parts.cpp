@@ -16,7 +16,15 @@ std::vector<dvec3> partOfPolygon(const std::vector<dvec3>& polygon, int axis, do
     return result;
 }
 
-std::optional<std::string> findListFault(const Structure& structure, std::span<const Triangle> triangles) {
+bool isSurelyIn(const Primitive& sphere, const dvec3& lo, const dvec3& hi) {
+    const dvec3 inLo = lo + partThickness, inHi = hi - partThickness, centre(sphere.centre());
+    if (!glm::all(glm::lessThan(inLo, inHi))) return false;
+    const double nearest = glm::distance(centre, glm::clamp(centre, inLo, inHi));
+    const double farthest = glm::length(glm::max(glm::abs(inLo - centre), glm::abs(inHi - centre)));
+    return nearest < sphere.radius() - partThickness && farthest > sphere.radius() + partThickness;
+}
+
+std::optional<std::string> findListFault(const Structure& structure, std::span<const Primitive> triangles) {
     std::vector<bool> listed(triangles.size());
     for (uint32_t i = 0; i < structure.header.triangleCount; ++i) {
         const uint32_t id = referencedId(structure, i);

@@ -36,7 +36,7 @@ Box joined(Box a, const Box& b) {
 /// Everything in the unit space of structures.
 class SpatialBuilder {
 public:
-    SpatialBuilder(std::span<const Triangle> triangles, float unit, uint32_t maxLeaf, const SahCosts& costs, const Box& root)
+    SpatialBuilder(std::span<const Primitive> triangles, float unit, uint32_t maxLeaf, const SahCosts& costs, const Box& root)
         : triangles_(triangles), unit_(unit), maxLeaf_(maxLeaf), costs_(costs), rootArea_(root.halfArea()) {}
 
     Subtree build(std::vector<BoxReference> references, uint32_t depth, uint64_t budget) const {
@@ -146,10 +146,7 @@ private:
         return common(sides[0], sides[1]).halfArea() > leastOverlap * rootArea_;
     }
 
-    Triangle scaled(uint32_t id) const {
-        const Triangle& t = triangles_[id];
-        return {t.a * unit_, t.b * unit_, t.c * unit_};
-    }
+    Primitive scaled(uint32_t id) const { return triangles_[id].scaled(unit_); }
 
     SpatialSplit bestSpatialSplit(const std::vector<BoxReference>& references, const Box& node) const {
         SpatialSplit found[3];
@@ -186,7 +183,7 @@ private:
                 bins[first].box.grow(boxIn(reference));
                 continue;
             }
-            const Triangle triangle = scaled(reference.id);
+            const Primitive triangle = scaled(reference.id);
             for (int i = first; i <= last; ++i) {
                 Box slab = boxIn(reference);
                 slab.lo[axis] = std::max(slab.lo[axis], planes[i]);
@@ -231,7 +228,7 @@ private:
             } else {
                 Box below = boxIn(reference), above = below;
                 below.hi[split.axis] = above.lo[split.axis] = split.plane;
-                const Triangle triangle = scaled(reference.id);
+                const Primitive triangle = scaled(reference.id);
                 below = clippedBounds(triangle, below);
                 above = clippedBounds(triangle, above);
                 if (below.empty() || above.empty()) {
@@ -272,7 +269,7 @@ private:
         return divided;
     }
 
-    std::span<const Triangle> triangles_;
+    std::span<const Primitive> triangles_;
     float unit_;
     uint32_t maxLeaf_;
     SahCosts costs_;
@@ -281,7 +278,7 @@ private:
 
 }  // namespace
 
-BinaryTree buildSpatialSplits(std::vector<BoxReference> references, std::span<const Triangle> triangles, float unit,
+BinaryTree buildSpatialSplits(std::vector<BoxReference> references, std::span<const Primitive> triangles, float unit,
                               uint32_t maxLeaf, const SahCosts& costs, uint64_t budget) {
     if (references.empty()) return {};
     Box root;

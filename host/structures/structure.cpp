@@ -2,8 +2,10 @@
 
 #include "all_structures.hpp"
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 
@@ -54,11 +56,30 @@ vec3 corner(const uvec4& texel) {
 
 }  // namespace
 
+Box Primitive::box() const {
+    if (isSphere()) return sphereBox(a, b.x);
+    Box box;
+    box.grow(a);
+    box.grow(b);
+    box.grow(c);
+    return box;
+}
+
+bool Structure::hasSpheres() const {
+    std::atomic<bool> found = false;
+    parallelFor(triangles.size() / shared::TRIANGLE_STRIDE, 65536, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end && !found; ++i)
+            if (referencedPrimitive(*this, i).isSphere()) found = true;
+    });
+    return found;
+}
+
 void Structure::markSeeThrough(std::span<const uint8_t> seeThrough) {
     for (size_t i = 0; i < triangles.size(); i += shared::TRIANGLE_STRIDE) {
         const uint32_t id = triangles[i].w;
         RAIG_CHECK_OP(id, <, seeThrough.size());
-        triangles[i + 1].w = seeThrough[id] != 0 ? shared::TRIANGLE_SEE_THROUGH : 0;
+        uint32_t& flags = triangles[i + 1].w;
+        flags = (flags & shared::TRIANGLE_SPHERE) | (seeThrough[id] != 0 ? shared::TRIANGLE_SEE_THROUGH : 0);
     }
 }
 
@@ -94,26 +115,27 @@ float unitOf(const Box& bounds) {
     return std::ldexp(1.0f, -std::clamp(std::ilogb(largest), -120, 62));
 }
 
-void writeReference(std::vector<uvec4>& references, size_t index, const Triangle& triangle, uint32_t id, float unit) {
+void writeReference(std::vector<uvec4>& references, size_t index, const Primitive& primitive, uint32_t id, float unit) {
     uvec4* texels = references.data() + index * shared::TRIANGLE_STRIDE;
-    texels[0] = texel(triangle.a * unit, id);
-    texels[1] = texel(triangle.b * unit, 0);
-    texels[2] = texel(triangle.c * unit, 0);
+    const Primitive scaled = primitive.scaled(unit);
+    texels[0] = texel(scaled.a, id);
+    texels[1] = texel(scaled.b, primitive.isSphere() ? shared::TRIANGLE_SPHERE : 0);
+    texels[2] = texel(scaled.c, 0);
 }
 
-Triangle referencedTriangle(const Structure& structure, uint64_t index) {
+Primitive referencedPrimitive(const Structure& structure, uint64_t index) {
     const uvec4* texels = structure.triangles.data() + index * shared::TRIANGLE_STRIDE;
-    return {corner(texels[0]), corner(texels[1]), corner(texels[2])};
+    const bool sphere = (texels[1].w & shared::TRIANGLE_SPHERE) != 0;
+    return {corner(texels[0]), corner(texels[1]), corner(texels[2]), sphere ? PrimitiveKind::sphere : PrimitiveKind::triangle};
 }
 
 uint32_t referencedId(const Structure& structure, uint64_t index) {
     return structure.triangles[index * shared::TRIANGLE_STRIDE].w;
 }
 
-bool refersTo(const Structure& structure, uint64_t index, const Triangle& triangle) {
-    const Triangle referred = referencedTriangle(structure, index);
-    const float unit = structure.header.unit;
-    return referred.a == triangle.a * unit && referred.b == triangle.b * unit && referred.c == triangle.c * unit;
+bool refersTo(const Structure& structure, uint64_t index, const Primitive& primitive) {
+    const Primitive referred = referencedPrimitive(structure, index), wanted = primitive.scaled(structure.header.unit);
+    return referred.kind == wanted.kind && referred.a == wanted.a && referred.b == wanted.b && referred.c == wanted.c;
 }
 
 StructureHeader emptyHeader() {

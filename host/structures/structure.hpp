@@ -25,19 +25,33 @@ using uint = uint32_t;
 using shared::StructureHeader;
 static_assert(sizeof(StructureHeader) == 64, "as in the device's buffer");
 
-/// A primitive to build over. Its id is its index in the span. Every builder leaves out those that are not usable().
-struct Triangle {
-    vec3 a, b, c;
+enum class PrimitiveKind : uint32_t { triangle = 0, sphere = 1 };
 
-    Box box() const {
-        Box box;
-        box.grow(a);
-        box.grow(b);
-        box.grow(c);
-        return box;
+/// A primitive to build over: a triangle, or a sphere (the surface, not what is in it). Its id is its index in the span.
+/// Every builder leaves out those that are not usable().
+struct Primitive {
+    vec3 a;  ///< of a sphere: the centre
+    vec3 b;  ///< of a sphere: (radius, 0, 0)
+    vec3 c;  ///< of a sphere: 0
+    PrimitiveKind kind = PrimitiveKind::triangle;
+
+    static Primitive sphere(const vec3& centre, float radius) {
+        return {centre, vec3(radius, 0.0f, 0.0f), vec3(0.0f), PrimitiveKind::sphere};
     }
-    bool usable() const { return isUsable(a, b, c); }
+    bool isSphere() const { return kind == PrimitiveKind::sphere; }
+    vec3 centre() const { return a; }
+    float radius() const { return b.x; }
+
+    /// Holds all of the primitive: of a triangle exactly, of a sphere rounded outwards.
+    Box box() const;
+    bool usable() const { return isSphere() ? isUsableSphere(a, b.x) : isUsable(a, b, c); }
+    /// In another unit of length: exact for powers of two.
+    Primitive scaled(float unit) const { return {a * unit, b * unit, c * unit, kind}; }
 };
+static_assert(sizeof(Primitive) == 40, "nothing in it is padding: structure files hash it");
+
+/// Where it says so, a primitive that is a triangle.
+using Triangle = Primitive;
 
 /// Options of all builders, each with the builders that read it. Names are as on the command line.
 struct BuildParams {
@@ -81,9 +95,12 @@ struct Structure {
     StructureStatistics statistics;
     std::vector<std::string> remarks;  ///< what a person should know, such as that the memory budget stopped the builder
 
-    /// Marks the references to triangles i with seeThrough[i] != 0 as no obstacle to shadow rays.
-    /// Requires a flag for each triangle that the structure was built over.
+    /// Marks the references to primitives i with seeThrough[i] != 0 as no obstacle to shadow rays.
+    /// Requires a flag for each primitive that the structure was built over.
     void markSeeThrough(std::span<const uint8_t> seeThrough);
+
+    /// True if a reference is a sphere: walks that need not test any are compiled without. O(references), in parallel.
+    bool hasSpheres() const;
 };
 
 /// One line of registry.def: how a structure is built and checked.
@@ -91,10 +108,10 @@ struct StructureType {
     std::string_view name;
     /// Pure: the same triangles and parameters give the same bytes, on any number of threads. Empty spans are fine.
     /// Throws usageError for a parameter it does not offer.
-    Structure (*build)(std::span<const Triangle>, const BuildParams&);
+    Structure (*build)(std::span<const Primitive>, const BuildParams&);
     /// Names the first broken invariant, or nothing if all hold: then every walk ends, reads only what is there, and finds
     /// what it should. Stands any values in nodes, triangles and header, as they may come from a file.
-    std::optional<std::string> (*findFault)(const Structure&, std::span<const Triangle>);
+    std::optional<std::string> (*findFault)(const Structure&, std::span<const Primitive>);
 };
 
 /// All structures, in the order of registry.def.
@@ -107,15 +124,15 @@ const StructureType& structureType(std::string_view name);
 /// 2^-62 and at most 2^120. 1 for an empty box.
 float unitOf(const Box& bounds);
 
-/// Writes reference `index` to triangle `id`, scaled by the unit, into the array that walks read.
-void writeReference(std::vector<uvec4>& references, size_t index, const Triangle& triangle, uint32_t id, float unit);
+/// Writes reference `index` to primitive `id`, scaled by the unit, into the array that walks read.
+void writeReference(std::vector<uvec4>& references, size_t index, const Primitive& primitive, uint32_t id, float unit);
 
-/// The triangle, in the structure's unit of length, and the id of reference `index`.
-Triangle referencedTriangle(const Structure& structure, uint64_t index);
+/// The primitive, in the structure's unit of length, and the id of reference `index`.
+Primitive referencedPrimitive(const Structure& structure, uint64_t index);
 uint32_t referencedId(const Structure& structure, uint64_t index);
 
-/// True if the reference has the corners of the triangle, scaled.
-bool refersTo(const Structure& structure, uint64_t index, const Triangle& triangle);
+/// True if the reference has the kind and the corners, or centre and radius, of the primitive, scaled.
+bool refersTo(const Structure& structure, uint64_t index, const Primitive& primitive);
 
 /// The header of a structure with nothing in it.
 StructureHeader emptyHeader();

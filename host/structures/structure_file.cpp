@@ -20,7 +20,7 @@ constexpr std::array<char, 8> magic = {'\x89', 'r', 'a', 'i', 'g', '\r', '\n', '
 constexpr uint32_t byteOrderMark = 0x01020304;
 constexpr uint32_t otherByteOrderMark = 0x04030201;
 // To be raised when the format changes, or what the bytes of a structure mean.
-constexpr uint32_t formatVersion = 1;
+constexpr uint32_t formatVersion = 2;
 
 template <size_t size>
 void setName(std::array<char, size>& name, std::string_view text) {
@@ -51,12 +51,12 @@ uint64_t checksumOf(const std::vector<uvec4>& nodes, const std::vector<uvec4>& t
     return XXH3_64bits_withSeed(triangles.data(), triangles.size() * sizeof(uvec4), XXH3_64bits(nodes.data(), bytes));
 }
 
-std::array<uint64_t, 2> hashOf(std::span<const Triangle> triangles) {
+std::array<uint64_t, 2> hashOf(std::span<const Primitive> triangles) {
     const XXH128_hash_t hash = XXH3_128bits(triangles.data(), triangles.size_bytes());
     return {hash.low64, hash.high64};
 }
 
-Box boundsOf(std::span<const Triangle> triangles) {
+Box boundsOf(std::span<const Primitive> triangles) {
     Box all;
     std::mutex mutex;
     parallelFor(triangles.size(), 65536, [&](size_t begin, size_t end) {
@@ -70,7 +70,7 @@ Box boundsOf(std::span<const Triangle> triangles) {
 }
 
 /// What is wrong with a structure in what all structures share.
-std::optional<std::string> findSharedFault(const Structure& structure, std::span<const Triangle> triangles) {
+std::optional<std::string> findSharedFault(const Structure& structure, std::span<const Primitive> triangles) {
     const StructureHeader& header = structure.header;
     if (header.walk >= shared::MAX_WALKS) return "there is no such walk";
     if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
@@ -97,7 +97,7 @@ std::span<const std::byte> bytesOf(const std::vector<uvec4>& texels) {
 }  // namespace
 
 void saveStructure(const std::filesystem::path& path, const Structure& structure, const BuildParams& params,
-                   std::span<const Triangle> triangles) {
+                   std::span<const Primitive> triangles) {
     StructureFileHeader header{};
     header.magic = magic;
     header.byteOrder = byteOrderMark;
@@ -164,7 +164,7 @@ std::string StructureFile::options() const {
     return std::string(nameOf(header_.options));
 }
 
-Structure StructureFile::read(std::span<const Triangle> triangles) {
+Structure StructureFile::read(std::span<const Primitive> triangles) {
     if (header_.sceneTriangles != triangles.size() || header_.geometryHash != hashOf(triangles))
         throw broken(fmt::format("is of another scene, or of another version of it ({} triangles; this one has {})",
                                  header_.sceneTriangles, triangles.size()));
@@ -191,7 +191,7 @@ Structure StructureFile::read(std::span<const Triangle> triangles) {
     statistics.bytes = (structure.nodes.size() + structure.triangles.size()) * sizeof(uvec4);
     statistics.sahCost = header_.sahCost;
     statistics.seconds = header_.seconds;
-    for (size_t i = 0; i < structure.triangles.size(); i += shared::TRIANGLE_STRIDE) structure.triangles[i + 1].w = 0;
+    for (size_t i = 0; i < structure.triangles.size(); i += shared::TRIANGLE_STRIDE) structure.triangles[i + 1].w &= shared::TRIANGLE_SPHERE;
     return structure;
 }
 

@@ -39,11 +39,11 @@ struct StructureFileHeader {
     uint64_t nodes, leaves, depth, references;
     double sahCost, seconds;
 };
-static_assert(sizeof(StructureFileHeader) == 440 && sizeof(Triangle) == 36, "nothing in them is padding");
+static_assert(sizeof(StructureFileHeader) == 440, "nothing in them is padding");
 
 /// Writes `structure`, which was built over `triangles` with `params`, whole or not at all. Throws inputError if that fails.
 void saveStructure(const std::filesystem::path& path, const Structure& structure, const BuildParams& params,
-                   std::span<const Triangle> triangles);
+                   std::span<const Primitive> triangles);
 
 /// A file of saveStructure. All that is wrong with it is an inputError, which says what to do.
 class StructureFile {
@@ -58,7 +58,7 @@ public:
     double buildSeconds() const { return header_.seconds; }
 
     /// Reads the structure. Throws, too, if it was built over other triangles. Cost O(references), in parallel in part.
-    Structure read(std::span<const Triangle> triangles);
+    Structure read(std::span<const Primitive> triangles);
 
 private:
     Error broken(std::string_view what) const;

@@ -5,19 +5,21 @@
 // Coordinates in a structure (corners, boxes, bounds) are those of the scene times `unit`, a power of two that brings the
 // largest to [1, 2): exact, and no product of differences comes near the ends of the float range, whatever the scene's size.
 struct StructureHeader {
-    vec3 lo;              // bounds of all triangles: lo > hi if there are none
+    vec3 lo;              // bounds of all primitives: lo > hi if there are none
     uint nodeCount;       // nodes of one copy of the tree
     vec3 hi;
-    uint triangleCount;   // references in the triangle array: three uvec4 each (see TRIANGLE_STRIDE)
+    uint triangleCount;   // references in the array of primitives: three uvec4 each (see TRIANGLE_STRIDE)
     vec3 gridOrigin;      // quantised planes: coordinate = gridOrigin + q * gridStep
     uint walk;            // which of the structure's walks the nodes are laid out for
     vec3 gridStep;
     float unit;
 };
 
-// A triangle reference is three uvec4: the corners' bits in .xyz, and in .w the global id, TRIANGLE_* flags, 0.
+// A reference to a primitive is three uvec4: a triangle's corners' bits in .xyz, and in .w the global id, TRIANGLE_* flags, 0.
+// Those of a sphere are its centre, (radius, 0, 0) and 0.
 const uint TRIANGLE_STRIDE = 3u;
 const uint TRIANGLE_SEE_THROUGH = 1u;  // lets light through: no obstacle to shadow rays
+const uint TRIANGLE_SPHERE = 2u;       // is a sphere
 
 // header.walk is less than this, whatever the structure.
 const uint MAX_WALKS = 6u;

@@ -1,6 +1,7 @@
 #include "support/cells.hpp"
 
 #include "support/random.hpp"
+#include "support/sphere_soups.hpp"
 
 #include <bit>
 #include <cmath>
@@ -82,6 +83,7 @@ private:
         for (;;) {
             const Triangle& t = triangles_[random_.below(static_cast<uint32_t>(triangles_.size()))];
             if (!t.usable()) continue;
+            if (t.isSphere()) return pointOnSphere(t, random_);
             const double r = std::sqrt(random_.unit()), s = random_.unit();
             return vec3((1 - r) * dvec3(t.a) + r * (1 - s) * dvec3(t.b) + r * s * dvec3(t.c));
         }

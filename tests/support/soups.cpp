@@ -1,6 +1,7 @@
 #include "support/soups.hpp"
 
 #include "support/random.hpp"
+#include "support/sphere_soups.hpp"
 
 #include <fmt/format.h>
 
@@ -142,7 +143,7 @@ std::vector<Soup> soups() {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const std::vector<Triangle> floor = {{vec3(-1000, -1, -1000), vec3(1000, -1, -1000), vec3(1000, -1, 1000)},
                                          {vec3(-1000, -1, -1000), vec3(1000, -1, 1000), vec3(-1000, -1, 1000)}};
-    return {
+    std::vector<Soup> soups = {
         {"none", {}},
         {"one", {one}},
         {"all unusable", {{vec3(nan), vec3(nan), vec3(nan)}, {vec3(1), vec3(1), vec3(1)}}},
@@ -162,13 +163,15 @@ std::vector<Soup> soups() {
         {"huge", moved(ordinary, 2e9, dvec3(0))},
         {"stadium", joined(floor, sphere(16, 1.0, dvec3(0), 0.1))},
     };
+    for (Soup& soup : sphereSoups()) soups.push_back(std::move(soup));
+    return soups;
 }
 
 namespace {
 
 struct Aim {
     Box box;
-    const std::vector<Triangle>& triangles;
+    const std::vector<Primitive>& triangles;
     std::vector<uint32_t> usable;
     double size;
 };
@@ -176,6 +179,7 @@ struct Aim {
 vec3 pointOn(const Aim& aim, Random& random) {
     if (aim.usable.empty()) return random.inCube(-1, 1);
     const Triangle& t = aim.triangles[aim.usable[random.below(static_cast<uint32_t>(aim.usable.size()))]];
+    if (t.isSphere()) return pointOnSphere(t, random);
     switch (random.below(3)) {
         case 0:
             return t.a;  // a vertex
@@ -211,10 +215,11 @@ Ray axisRay(const Aim& aim, Random& random) {
 }
 
 /// In a triangle's plane, as nearly as floats allow, or at a small angle to it: from a point of the plane, on the triangle
-/// or off it, along a combination of its edges.
+/// or off it, along a combination of its edges. At a sphere: as rayAtSphere.
 Ray grazingRay(const Aim& aim, Random& random) {
     if (aim.usable.empty()) return {random.inCube(-1, 1), 0.0f, vec3(random.direction()), inf};
     const Triangle& t = aim.triangles[aim.usable[random.below(static_cast<uint32_t>(aim.usable.size()))]];
+    if (t.isSphere()) return rayAtSphere(t, random);
     const dvec3 edges[2] = {dvec3(t.b) - dvec3(t.a), dvec3(t.c) - dvec3(t.a)};
     const double reach = random.below(3) == 0 ? 10.0 : 1.0;
     const double p = reach * random.within(-1, 1), q = reach * random.within(-1, 1);

@@ -1,4 +1,4 @@
-/// Triangles to build over and rays to send at them: the ordinary and the hostile.
+/// Triangles and spheres to build over and rays to send at them: the ordinary and the hostile.
 #pragma once
 
 #include "rays/types.hpp"
@@ -11,19 +11,19 @@ namespace raig::test {
 
 struct Soup {
     std::string name;
-    std::vector<Triangle> triangles;
+    std::vector<Primitive> triangles;
 };
 
 /// Ordinary soup, slivers, a flat wall, duplicates, overlaps, one triangle, none, all unusable, some unusable, far from the
-/// origin, tiny, huge, uneven ("teapot in a stadium"), a closed sphere, an axis-aligned room, tilted walls, pages of a book.
+/// origin, tiny, huge, uneven ("teapot in a stadium"), a closed sphere, an axis-aligned room, tilted walls, pages of a book; then those of sphere_soups.hpp.
 std::vector<Soup> soups();
 
 /// A closed triangle mesh of a bumpy sphere: `rings` x 2 `rings`, the vertices shared exactly.
 std::vector<Triangle> sphere(uint32_t rings, double radius, dvec3 centre, double bumps = 0.0);
 
 /// Rays of every family, in turn: random, axis-aligned with +0 and -0, from inside, at vertices, at points of edges, along
-/// the faces of bounding boxes, at corners of boxes, nearly parallel to an axis, in the planes of triangles and nearly so, not
-/// normalised, short intervals.
+/// the faces of bounding boxes, at corners of boxes, nearly parallel to an axis, in the planes of triangles and nearly so or
+/// past silhouettes of spheres, not normalised, short intervals.
 std::vector<Ray> rays(const std::vector<Triangle>& triangles, uint64_t seed, size_t count);
 
 /// "o (..) d (..) t [..]" with all digits, to be pasted into a test.
