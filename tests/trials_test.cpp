@@ -1,5 +1,6 @@
 // What is told of a scene and of the structures in it, and the choice among them.
 #include "measure/trials.hpp"
+#include "rays/primitives.hpp"
 #include "scene/import.hpp"
 #include "support/soups.hpp"
 
@@ -17,11 +18,15 @@ namespace fs = std::filesystem;
 Scene sceneOf(const std::vector<Triangle>& triangles) {
     Scene scene;
     Mesh mesh;
-    for (const Triangle& t : triangles) {
+    for (const Primitive& t : triangles) {
+        mesh.materials.push_back(0);
+        if (t.isSphere()) {
+            mesh.spheres.push_back({t.centre(), t.radius()});
+            continue;
+        }
         const auto first = static_cast<uint32_t>(mesh.positions.size());
         mesh.positions.insert(mesh.positions.end(), {t.a, t.b, t.c});
         mesh.triangles.emplace_back(first, first + 1, first + 2);
-        mesh.materials.push_back(0);
     }
     scene.materials.emplace_back();
     scene.meshes.push_back(mesh);
@@ -38,16 +43,13 @@ std::vector<Triangle> teapotInStadium() {
 }
 
 std::vector<Triangle> trianglesOf(const fs::path& file) {
-    const Geometry geometry = flatten(importScene(file));
-    std::vector<Triangle> triangles;
-    for (const uvec3& t : geometry.triangles)
-        triangles.push_back({geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z]});
-    return triangles;
+    return primitivesOf(flatten(importScene(file)));
 }
 
 std::vector<Trial> trialsOf(const std::vector<Triangle>& triangles) {
     const Scene scene = sceneOf(triangles);
-    return tryStructures(scene, flatten(scene), triangles, {});
+    const Geometry geometry = flatten(scene);
+    return tryStructures(scene, geometry, primitivesOf(geometry), {});
 }
 
 TEST(SceneNumbers, AreThoseOfTheTriangles) {

@@ -1,6 +1,7 @@
 // The walks on devices against the walks on the CPU, bit for bit; on soups, on real scenes, and at closed meshes.
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "rays/primitives.hpp"
 #include "rays/tracer.hpp"
 #include "scene/geometry.hpp"
 #include "scene/import.hpp"
@@ -48,11 +49,7 @@ void expectSame(const std::vector<Hit>& got, const std::vector<Hit>& want, const
 }
 
 std::vector<Triangle> trianglesOf(const fs::path& scene) {
-    const Geometry geometry = flatten(importScene(scene));
-    std::vector<Triangle> triangles;
-    for (const uvec3& t : geometry.triangles)
-        triangles.push_back({geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z]});
-    return triangles;
+    return primitivesOf(flatten(importScene(scene)));
 }
 
 class EveryDevice : public OnEveryDevice {

@@ -5,6 +5,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "measure/trials.hpp"
+#include "rays/primitives.hpp"
 #include "scene/import.hpp"
 
 #include <fmt/ranges.h>
@@ -36,7 +37,7 @@ double perTriangle(double amount, const Survey& survey) {
 
 std::vector<std::string> listWarnings(const SceneNumbers& numbers) {
     std::vector<std::string> warnings;
-    if (numbers.usable == 0) warnings.emplace_back("no triangle can be hit: there is nothing to see");
+    if (numbers.usable == 0) warnings.emplace_back("no triangle or sphere can be hit: there is nothing to see");
     if (numbers.isUneven())
         warnings.push_back(
             fmt::format("triangles crowd together in a part of the scene, {:.0f} in a cell of one uniform grid on "
@@ -49,7 +50,7 @@ Survey surveyScene(const Options& options) {
     Survey survey;
     survey.scene = importScene(options.inputs.front());
     survey.geometry = flatten(survey.scene);
-    const std::vector<Triangle> triangles = trianglesOf(survey.geometry);
+    const std::vector<Primitive> triangles = primitivesOf(survey.geometry);
     survey.numbers = measureScene(triangles);
     survey.features = featuresOf(survey.scene, survey.geometry);
     survey.materials = countUsedMaterials(survey.scene, survey.geometry);
@@ -73,6 +74,7 @@ Json sceneJson(const Options& options, const Survey& survey) {
     const bool empty = numbers.bounds.empty();
     return {{"file", options.inputs.front().string()},
             {"triangles", numbers.triangles},
+            {"spheres", numbers.spheres},
             {"usable_triangles", numbers.usable},
             {"dropped",
              {{"non_finite", survey.geometry.dropped.nonFinite},
@@ -130,7 +132,8 @@ void printScene(const Survey& survey) {
     const SceneNumbers& numbers = survey.numbers;
     const Scene& scene = survey.scene;
     const auto row = [](const char* name, const std::string& text) { fmt::print("{:12}{}\n", name, text); };
-    row("triangles", fmt::format("{}, {} of them usable", numbers.triangles, numbers.usable));
+    const std::string spheres = numbers.spheres > 0 ? fmt::format(" and {} spheres", numbers.spheres) : "";
+    row("triangles", fmt::format("{}{}, {} of them usable", numbers.triangles, spheres, numbers.usable));
     row("parts", fmt::format("{} instances of {} meshes, {} materials ({} used), {} images", scene.instances.size(),
                              scene.meshes.size(), scene.materials.size(), survey.materials, scene.images.size()));
     row("view", fmt::format("{} cameras, {} lights", scene.cameras.size(), scene.lights.size()));

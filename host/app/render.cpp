@@ -69,7 +69,8 @@ nlohmann::ordered_json toJson(const Setup& setup, const FrameOptions& frame, con
     const FrameStatistics& s = picture.statistics;
     const StructureStatistics& built = setup.structure.statistics;
     return {{"device", setup.deviceName()},
-            {"triangles", setup.geometry.triangles.size()},
+            {"triangles", setup.geometry.triangleCount()},
+            {"spheres", setup.geometry.spheres.size()},
             {"dropped",
              {{"non_finite", setup.geometry.dropped.nonFinite},
               {"zero_area", setup.geometry.dropped.zeroArea},

@@ -17,15 +17,16 @@ using Clock = std::chrono::steady_clock;
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 void describeScene(const Scene& scene, const Geometry& geometry) {
-    log::note("scene: {} triangles in {} instances of {} meshes, {} materials, {} lights, {} cameras, {} images",
-              geometry.triangles.size(), scene.instances.size(), scene.meshes.size(), scene.materials.size(),
+    const std::string spheres = geometry.spheres.empty() ? "" : fmt::format(" and {} spheres", geometry.spheres.size());
+    log::note("scene: {} triangles{} in {} instances of {} meshes, {} materials, {} lights, {} cameras, {} images",
+              geometry.triangleCount(), spheres, scene.instances.size(), scene.meshes.size(), scene.materials.size(),
               scene.lights.size(), scene.cameras.size(), scene.images.size());
     constexpr size_t shown = 5;
     for (size_t i = 0; i < std::min(shown, scene.remarks.size()); ++i) log::note("remark: {}", scene.remarks[i]);
     if (scene.remarks.size() > shown) log::note("remark: and {} more of the kind", scene.remarks.size() - shown);
     const Dropped& dropped = geometry.dropped;
     if (dropped.nonFinite + dropped.zeroArea + dropped.other > 0)
-        log::note("dropped: {} triangles with a corner that is not finite or out of range, {} without area; {} points and lines",
+        log::note("dropped: {} triangles and spheres with a corner that is not finite or out of range, {} without area; {} others",
                   dropped.nonFinite, dropped.zeroArea, dropped.other);
 }
 

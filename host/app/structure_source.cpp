@@ -3,9 +3,9 @@
 #include "app/progress.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "base/parallel.hpp"
 #include "measure/trials.hpp"
 #include "rays/lights.hpp"
+#include "rays/primitives.hpp"
 
 #include <chrono>
 
@@ -41,17 +41,6 @@ void checkAuto(const Options& options) {
 
 }  // namespace
 
-std::vector<Triangle> trianglesOf(const Geometry& geometry) {
-    std::vector<Triangle> triangles(geometry.triangles.size());
-    parallelFor(triangles.size(), 65536, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            const uvec3 t = geometry.triangles[i];
-            triangles[i] = {geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z]};
-        }
-    });
-    return triangles;
-}
-
 StructureSource::StructureSource(const Options& options) : options_(options) {
     if (options.accel != "auto") structureType(options.accel);
     checkAuto(options);
@@ -60,7 +49,7 @@ StructureSource::StructureSource(const Options& options) : options_(options) {
     checkIsAskedFor(*file_, options);
 }
 
-Structure StructureSource::choose(const Scene& scene, const Geometry& geometry, std::span<const Triangle> triangles) {
+Structure StructureSource::choose(const Scene& scene, const Geometry& geometry, std::span<const Primitive> triangles) {
     std::vector<Trial> trials;
     if (triangles.size() <= mostForTrials) {
         Progress progress("trying structures");
@@ -76,7 +65,7 @@ Structure StructureSource::choose(const Scene& scene, const Geometry& geometry, 
 }
 
 Structure StructureSource::make(const Scene& scene, const Geometry& geometry) {
-    const std::vector<Triangle> triangles = trianglesOf(geometry);
+    const std::vector<Primitive> triangles = primitivesOf(geometry);
     Structure structure;
     if (file_) {
         const Clock::time_point start = Clock::now();

@@ -9,9 +9,6 @@
 
 namespace raig {
 
-/// The triangles that structures are built over: id i is geometry.triangles[i].
-std::vector<Triangle> trianglesOf(const Geometry& geometry);
-
 class StructureSource {
 public:
     /// Throws what is wrong with --accel, and with the start of the file of --load-structure, before a scene is read:
@@ -28,7 +25,7 @@ public:
     double loadSeconds() const { return loadSeconds_; }    ///< 0 where it was built
 
 private:
-    Structure choose(const Scene& scene, const Geometry& geometry, std::span<const Triangle> triangles);
+    Structure choose(const Scene& scene, const Geometry& geometry, std::span<const Primitive> triangles);
 
     const Options& options_;
     std::unique_ptr<StructureFile> file_;

@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "device/buffer.hpp"
 #include "measure/embree_peer.hpp"
+#include "rays/primitives.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -16,14 +17,6 @@ using Clock = std::chrono::steady_clock;
 constexpr uint32_t warmUps = 2;
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-std::vector<Triangle> trianglesOf(const Geometry& geometry) {
-    std::vector<Triangle> triangles;
-    triangles.reserve(geometry.triangles.size());
-    for (const uvec3& t : geometry.triangles)
-        triangles.push_back({geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z]});
-    return triangles;
-}
 
 Quartiles scaled(const std::vector<double>& seconds, double rays) {
     std::vector<double> rates;
@@ -72,7 +65,7 @@ public:
     StructureBench(const Geometry& geometry, const BenchSettings& settings, const std::string& name, BenchReport& report)
         : geometry_(geometry), settings_(settings), name_(name), report_(report) {}
 
-    void build(const std::vector<Triangle>& triangles) {
+    void build(const std::vector<Primitive>& triangles) {
         std::vector<double> seconds, ratios;
         for (uint32_t i = 0; i < settings_.repetitions; ++i) {
             peer_ = EmbreePeer::make(geometry_);
@@ -152,7 +145,7 @@ Quartiles quartilesOf(std::vector<double> values) {
 BenchReport bench(const Geometry& geometry, const BenchSettings& settings,
                   const std::function<void(const std::string&, double)>& progress) {
     BenchReport report;
-    const std::vector<Triangle> triangles = trianglesOf(geometry);
+    const std::vector<Primitive> triangles = primitivesOf(geometry);
     const double steps = 6.0 * static_cast<double>(settings.structures.size());
     double step = 0.0;
     for (const std::string& name : settings.structures) {

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "reference/sphere.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -25,33 +26,42 @@ double largest(const dvec3& v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
+bool canBeHit(const Geometry& geometry, uint32_t id) {
+    if (geometry.isSphere(id)) return isUsableSphere(geometry.sphere(id).centre, geometry.sphere(id).radius);
+    const Corners k = cornersOf(geometry, id);
+    return isUsable(k.a, k.b, k.c);
+}
+
 /// False for an answer that no ray can have.
 bool isAnswer(const Geometry& geometry, const Ray& ray, const Hit& hit) {
     if (hit.primitive == NO_HIT) return true;
     if (hit.primitive >= geometry.triangles.size() || !(hit.t >= ray.tMin && hit.t <= ray.tMax)) return false;
-    const Corners k = cornersOf(geometry, hit.primitive);
-    return isUsable(k.a, k.b, k.c);
+    return canBeHit(geometry, hit.primitive);
 }
 
-double toleranceFor(const Geometry& geometry, const Ray& ray, uint32_t triangle) {
-    const Corners k = cornersOf(geometry, triangle);
-    return positionTolerance(ray, k.a, k.b, k.c);
+reference::Approach approachTo(const Geometry& geometry, const reference::Ray& ray, uint32_t id) {
+    if (geometry.isSphere(id)) return reference::approachSphere(ray, geometry.sphere(id).centre, geometry.sphere(id).radius);
+    const Corners k = cornersOf(geometry, id);
+    return reference::approach(ray, k.a, k.b, k.c);
+}
+
+double distanceTo(const Geometry& geometry, const dvec3& point, uint32_t id) {
+    if (geometry.isSphere(id)) return reference::distanceToSphere(point, geometry.sphere(id).centre, geometry.sphere(id).radius);
+    const Corners k = cornersOf(geometry, id);
+    return reference::distanceToTriangle(point, k.a, k.b, k.c);
 }
 
 /// True if the ray passes within the tolerance of the device's triangle, not behind what the oracle sees.
 bool passesBy(const Geometry& geometry, const Ray& floats, const reference::Hit& oracle, uint32_t triangle) {
     const reference::Ray ray = widen(floats);
-    const double tolerance = toleranceFor(geometry, floats, triangle);
-    const Corners k = cornersOf(geometry, triangle);
-    const reference::Approach nearest = reference::approach(ray, k.a, k.b, k.c);
+    const double tolerance = positionTolerance(geometry, floats, triangle);
+    const reference::Approach nearest = approachTo(geometry, ray, triangle);
     if (nearest.distance > tolerance) return false;
     if (oracle.primitive == noTriangle) return true;
     if ((nearest.t - oracle.t) * glm::length(ray.direction) <= tolerance) return true;
-    const Corners seen = cornersOf(geometry, oracle.primitive);
     const auto at = [&](double t) { return ray.origin + t * ray.direction; };
-    return reference::distanceToTriangle(at(oracle.t), k.a, k.b, k.c) <= tolerance ||
-           reference::distanceToTriangle(at(nearest.t), seen.a, seen.b, seen.c) <=
-               toleranceFor(geometry, floats, oracle.primitive);
+    return distanceTo(geometry, at(oracle.t), triangle) <= tolerance ||
+           distanceTo(geometry, at(nearest.t), oracle.primitive) <= positionTolerance(geometry, floats, oracle.primitive);
 }
 
 /// True if the point that the device names lies on its triangle and on the oracle's, within the tolerance: at a shared
@@ -59,8 +69,7 @@ bool passesBy(const Geometry& geometry, const Ray& floats, const reference::Hit&
 bool meetsBoth(const Geometry& geometry, const Ray& ray, const reference::Hit& oracle, const Hit& device) {
     const dvec3 point = dvec3(ray.origin) + double{device.t} * dvec3(ray.direction);
     const auto isOn = [&](uint32_t triangle) {
-        const Corners k = cornersOf(geometry, triangle);
-        return reference::distanceToTriangle(point, k.a, k.b, k.c) <= toleranceFor(geometry, ray, triangle);
+        return distanceTo(geometry, point, triangle) <= positionTolerance(geometry, ray, triangle);
     };
     return isOn(device.primitive) && isOn(oracle.primitive);
 }
@@ -83,9 +92,8 @@ bool nearbyRaySees(const reference::Tree& tree, const reference::Ray& ray, uint3
 
 /// How far the point that a hit's t stands for is from its triangle, in units of the tolerance there.
 double offsetOf(const Geometry& geometry, const Ray& ray, const Hit& hit) {
-    const Corners k = cornersOf(geometry, hit.primitive);
     const dvec3 point = dvec3(ray.origin) + double{hit.t} * dvec3(ray.direction);
-    return reference::distanceToTriangle(point, k.a, k.b, k.c) / positionTolerance(ray, k.a, k.b, k.c);
+    return distanceTo(geometry, point, hit.primitive) / positionTolerance(geometry, ray, hit.primitive);
 }
 
 /// A float's place in the order of all floats.
@@ -110,6 +118,16 @@ double positionTolerance(const Ray& ray, const vec3& a, const vec3& b, const vec
            reference::floatUlp(std::max({largest(o), largest(dvec3(a) - o), largest(dvec3(b) - o), largest(dvec3(c) - o)}));
 }
 
+double positionTolerance(const Geometry& geometry, const Ray& ray, uint32_t id) {
+    if (!geometry.isSphere(id)) {
+        const Corners k = cornersOf(geometry, id);
+        return positionTolerance(ray, k.a, k.b, k.c);
+    }
+    const Sphere& sphere = geometry.sphere(id);
+    const dvec3 o = ray.origin;
+    return 8.0 * reference::floatUlp(std::max(largest(o), largest(dvec3(sphere.centre) - o) + sphere.radius));
+}
+
 HitClass classifyHit(const reference::Tree& tree, const Ray& ray, const reference::Hit& oracle, const Hit& device) {
     const Geometry& geometry = tree.geometry();
     if (!isAnswer(geometry, ray, device)) return HitClass::wrong;
@@ -123,7 +141,7 @@ HitClass classifyHit(const reference::Tree& tree, const Ray& ray, const referenc
     // What lies in front of the oracle's hit can only be a tie by its own edges, looked at above.
     if (oracle.primitive == noTriangle || (device.primitive != NO_HIT && device.t <= oracle.t)) return fault;
     if (device.primitive != NO_HIT && meetsBoth(geometry, ray, oracle, device)) return HitClass::tie;
-    const double tolerance = toleranceFor(geometry, ray, oracle.primitive);
+    const double tolerance = positionTolerance(geometry, ray, oracle.primitive);
     return nearbyRaySees(tree, wide, device.primitive, tolerance) ? HitClass::tie : fault;
 }
 

@@ -30,11 +30,14 @@ uint64_t ulpsApart(float a, float b);
 /// coordinate among the ray's origin and the corners seen from it.
 double positionTolerance(const Ray& ray, const vec3& a, const vec3& b, const vec3& c);
 
+/// The same for primitive `id`; of a sphere, its farthest coordinate seen from the origin counts.
+double positionTolerance(const Geometry& geometry, const Ray& ray, uint32_t id);
+
 /// Classes a device's answer. With d = positionTolerance of the triangle in question, it is a tie where
 ///   - the device names a triangle that the ray passes within its d of, no farther along the ray than the oracle's hit is,
 ///   or
 ///     where the oracle's triangle is within its d too (a shared edge, duplicates); or
-///   - one of 8 rays moved sideways by the d of the oracle's triangle gets the device's answer from the reference, be it
+///   - one of 8 rays moved sideways by the d of the oracle's primitive gets the device's answer from the reference, be it
 ///     nothing or a triangle farther away (a silhouette). A hole in a closed surface is no tie: no ray nearby sees through
 ///     it.
 /// `same` says nothing of t: compareHits measures that.

@@ -19,6 +19,31 @@ dvec3 anyDirection(uint32_t index) {
     return {r * std::cos(phi), r * std::sin(phi), z};
 }
 
+struct Place {
+    dvec3 point;
+    dvec3 outwards;  ///< unit
+};
+
+Place placeOf(const Geometry& geometry, const Ray& ray, const reference::Hit& hit) {
+    if (geometry.isSphere(hit.primitive)) {
+        const dvec3 point = dvec3(ray.origin) + hit.t * dvec3(ray.direction);
+        return {point, glm::normalize(point - dvec3(geometry.sphere(hit.primitive).centre))};
+    }
+    const uvec3 t = geometry.triangles[hit.primitive];
+    const dvec3 a(geometry.positions[t.x]), b(geometry.positions[t.y]), c(geometry.positions[t.z]);
+    return {(1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c, glm::normalize(glm::cross(b - a, c - a))};
+}
+
+/// A ray through the sphere's centre or past its silhouette, which from nearby and from inside is only some point of it.
+vec3 directionAt(const Sphere& sphere, const vec3& eye, uint32_t i) {
+    const dvec3 away = dvec3(sphere.centre) - dvec3(eye);
+    const dvec3 aside = glm::cross(away, anyDirection(i));
+    const double distance = glm::length(away), sine = std::min(1.0, sphere.radius / distance);
+    if (i % 3 == 0 || !(glm::length(aside) > 0.0)) return vec3(away);
+    const dvec3 tangent = away * (1.0 - sine * sine) + sphere.radius * std::sqrt(1.0 - sine * sine) * glm::normalize(aside);
+    return vec3(tangent);
+}
+
 }  // namespace
 
 std::vector<Ray> bounceRays(const reference::Tree& tree, std::span<const Ray> rays) {
@@ -28,13 +53,11 @@ std::vector<Ray> bounceRays(const reference::Tree& tree, std::span<const Ray> ra
         for (size_t i = begin; i < end; ++i) {
             const reference::Hit hit = tree.closest(widen(rays[i]));
             if (hit.primitive == reference::noTriangle) continue;
-            const uvec3 t = geometry.triangles[hit.primitive];
-            const vec3 a = geometry.positions[t.x], b = geometry.positions[t.y], c = geometry.positions[t.z];
-            const dvec3 face = glm::normalize(glm::cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a)));
-            const dvec3 normal = glm::dot(face, dvec3(rays[i].direction)) < 0.0 ? face : -face;
-            const dvec3 point = (1.0 - hit.u - hit.v) * dvec3(a) + hit.u * dvec3(b) + hit.v * dvec3(c);
+            const Place place = placeOf(geometry, rays[i], hit);
+            const dvec3 normal = glm::dot(place.outwards, dvec3(rays[i].direction)) < 0.0 ? place.outwards : -place.outwards;
             const dvec3 d = anyDirection(static_cast<uint32_t>(i));
-            bounced[i] = {vec3(point + positionTolerance(rays[i], a, b, c) * normal), 0.0f,
+            const double away = positionTolerance(geometry, rays[i], hit.primitive);
+            bounced[i] = {vec3(place.point + away * normal), 0.0f,
                           vec3(glm::dot(d, normal) < 0.0 ? -d : d), farAway};
         }
     });
@@ -46,7 +69,13 @@ std::vector<Ray> aimedRays(const Geometry& geometry, const vec3& eye, size_t cou
     std::vector<Ray> rays;
     if (geometry.bounds.empty()) return rays;
     for (uint32_t i = 0; rays.size() < count; ++i) {
-        const uvec3 t = geometry.triangles[reference::hash(i, 0xa1u) % geometry.triangles.size()];
+        const auto id = static_cast<uint32_t>(reference::hash(i, 0xa1u) % geometry.triangles.size());
+        if (geometry.isSphere(id)) {
+            const Sphere& sphere = geometry.sphere(id);
+            if (isUsableSphere(sphere.centre, sphere.radius)) rays.push_back({eye, 0.0f, directionAt(sphere, eye, i), farAway});
+            continue;
+        }
+        const uvec3 t = geometry.triangles[id];
         const vec3 a = geometry.positions[t.x], b = geometry.positions[t.y], c = geometry.positions[t.z];
         if (!isUsable(a, b, c)) continue;
         const double along = i % 3 == 0 ? 0.0 : i % 3 == 1 ? 0.5 : reference::hash(i, 0xa2u) * 0x1p-32;

@@ -53,6 +53,19 @@ void fillBuffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, cons
     if (buffer) std::memcpy(buffer, values.data(), values.size() * sizeof(T));
 }
 
+void attach(RTCGeometry geometry, RTCScene scene) {
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+}
+
+std::vector<uvec3> trianglesOnly(const Geometry& geometry) {
+    std::vector<uvec3> triangles;
+    for (const uvec3& t : geometry.triangles)
+        if (t.y != Geometry::noVertex) triangles.push_back(t);
+    return triangles;
+}
+
 }  // namespace
 
 std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry& geometry) {
@@ -61,12 +74,21 @@ std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry& geometry) {
     if (!state->device) return nullptr;
     const Clock::time_point start = Clock::now();
     state->scene = rtcNewScene(state->device);
-    RTCGeometry triangles = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    fillBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, geometry.positions);
-    fillBuffer(triangles, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, geometry.triangles);
-    rtcCommitGeometry(triangles);
-    rtcAttachGeometry(state->scene, triangles);
-    rtcReleaseGeometry(triangles);
+    if (geometry.triangleCount() > 0) {
+        RTCGeometry triangles = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        fillBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, geometry.positions);
+        if (geometry.spheres.empty())
+            fillBuffer(triangles, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, geometry.triangles);
+        else
+            fillBuffer(triangles, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, trianglesOnly(geometry));
+        attach(triangles, state->scene);
+    }
+    if (!geometry.spheres.empty()) {
+        static_assert(sizeof(Sphere) == 4 * sizeof(float), "centre and radius, as Embree has them");
+        RTCGeometry spheres = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+        fillBuffer(spheres, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, geometry.spheres);
+        attach(spheres, state->scene);
+    }
     rtcSetSceneBuildQuality(state->scene, RTC_BUILD_QUALITY_MEDIUM);
     rtcCommitScene(state->scene);
     if (rtcGetDeviceError(state->device) != RTC_ERROR_NONE) return nullptr;

@@ -1,6 +1,7 @@
 #include "measure/ray_sets.hpp"
 
 #include "base/error.hpp"
+#include "reference/sphere.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -57,6 +58,21 @@ dvec3 diffuseDirection(const dvec3& n, uint32_t pixel) {
     return std::sqrt(u1) * std::cos(angle) * tangent + std::sqrt(u1) * std::sin(angle) * bitangent + std::sqrt(1.0 - u1) * n;
 }
 
+/// Where the primitive that was hit lies along the ray, and its normal there.
+dvec3 normalAt(const Geometry& geometry, uint32_t primitive, const dvec3& eye, const dvec3& d, double& t) {
+    if (geometry.isSphere(primitive)) {
+        const Sphere& sphere = geometry.sphere(primitive);
+        const auto crossing = reference::crossSphere({.origin = eye, .direction = d}, sphere.centre, sphere.radius);
+        t = !crossing ? std::numeric_limits<double>::infinity() : crossing->near > 0.0 ? crossing->near : crossing->far;
+        return normalized(eye + t * d - dvec3(sphere.centre));
+    }
+    const uvec3 corners = geometry.triangles[primitive];
+    const dvec3 a(geometry.positions[corners.x]), b(geometry.positions[corners.y]), c(geometry.positions[corners.z]);
+    const dvec3 n = normalized(glm::cross(b - a, c - a));
+    t = glm::dot(n, a - eye) / glm::dot(n, d);
+    return n;
+}
+
 }  // namespace
 
 MeasuringCamera measuringCamera(const Geometry& geometry, const Box& framed) {
@@ -67,14 +83,19 @@ MeasuringCamera measuringCamera(const Geometry& geometry, const Box& framed) {
     camera.up = glm::cross(camera.right, camera.forward);
     camera.tanHalfFov = std::tan(std::numbers::pi / 8.0);
     double distance = 0.0;
+    const auto show = [&](const vec3& position) {
+        if (glm::any(glm::lessThan(position, framed.lo)) || glm::any(glm::greaterThan(position, framed.hi))) return;
+        const dvec3 p = dvec3(position) - centre;
+        const double across = std::max(std::abs(glm::dot(p, camera.right)), std::abs(glm::dot(p, camera.up)));
+        distance = std::max(distance, across / (0.95 * camera.tanHalfFov) - glm::dot(p, camera.forward));
+    };
     for (const uvec3& triangle : geometry.triangles)
-        for (int corner = 0; corner < 3; ++corner) {
-            const vec3 position = geometry.positions[triangle[corner]];
-            if (glm::any(glm::lessThan(position, framed.lo)) || glm::any(glm::greaterThan(position, framed.hi))) continue;
-            const dvec3 p = dvec3(position) - centre;
-            const double across = std::max(std::abs(glm::dot(p, camera.right)), std::abs(glm::dot(p, camera.up)));
-            distance = std::max(distance, across / (0.95 * camera.tanHalfFov) - glm::dot(p, camera.forward));
-        }
+        for (int corner = 0; corner < 3 && triangle.y != Geometry::noVertex; ++corner)
+            show(geometry.positions[triangle[corner]]);
+    for (const Sphere& sphere : geometry.spheres) {
+        const Box box = sphereBox(sphere.centre, sphere.radius);
+        for (int i = 0; i < 8; ++i) show(glm::mix(box.lo, box.hi, glm::bvec3(i & 1, i & 2, i & 4)));
+    }
     camera.eye = centre + distance * towards;
     return camera;
 }
@@ -93,10 +114,8 @@ RaySets makeRaySets(const Geometry& geometry, const Box& framed, const Measuring
         if (hits[i].primitive == NO_HIT) continue;
         const uvec2 pixel = pixelOf(i, side);
         const dvec3 d = directionThrough(camera, pixel, side);
-        const uvec3 corners = geometry.triangles[hits[i].primitive];
-        const dvec3 a(geometry.positions[corners.x]), b(geometry.positions[corners.y]), c(geometry.positions[corners.z]);
-        dvec3 n = normalized(glm::cross(b - a, c - a));
-        const double t = glm::dot(n, a - camera.eye) / glm::dot(n, d);
+        double t = 0.0;
+        dvec3 n = normalAt(geometry, hits[i].primitive, camera.eye, d, t);
         if (!std::isfinite(t)) continue;
         if (glm::dot(n, d) > 0.0) n = -n;
         const dvec3 point = camera.eye + t * d, start = point + offset * t * n, toLight = light - start;

@@ -68,12 +68,13 @@ bool SceneNumbers::isUneven() const {
     return crowding > unevenFactor * std::cbrt(static_cast<double>(usable));
 }
 
-SceneNumbers measureScene(std::span<const Triangle> triangles) {
+SceneNumbers measureScene(std::span<const Primitive> triangles) {
     SceneNumbers numbers;
-    numbers.triangles = triangles.size();
+    numbers.spheres = static_cast<uint64_t>(std::ranges::count_if(triangles, &Primitive::isSphere));
+    numbers.triangles = triangles.size() - numbers.spheres;
     std::vector<Box> boxes;
     std::vector<float> extents;
-    for (const Triangle& triangle : triangles) {
+    for (const Primitive& triangle : triangles) {
         if (!triangle.usable()) continue;
         boxes.push_back(triangle.box());
         numbers.bounds.grow(boxes.back());
@@ -98,6 +99,7 @@ std::vector<std::string> featuresOf(const Scene& scene, const Geometry& geometry
     const std::vector<uint8_t> used = findUsed(scene, geometry);
     for (size_t i = 0; i < used.size(); ++i)
         if (used[i] != 0) addSurfaceFeatures(scene.materials[i], add);
+    add(!geometry.spheres.empty(), "spheres");
     add(!geometry.normals.empty(), "vertex normals");
     add(!geometry.colors.empty(), "vertex colours");
     add(scene.instances.size() > scene.meshes.size(), "instances");

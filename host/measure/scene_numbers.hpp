@@ -9,10 +9,11 @@
 
 namespace raig {
 
-/// A triangle's extent is the longest side of its bounding box.
+/// A primitive's extent is the longest side of its bounding box.
 struct SceneNumbers {
     uint64_t triangles = 0;
-    uint64_t usable = 0;
+    uint64_t spheres = 0;
+    uint64_t usable = 0;  ///< triangles and spheres
     Box bounds;  ///< of the usable ones
     float largestExtent = 0.0f;
     float medianExtent = 0.0f;
@@ -28,7 +29,7 @@ struct SceneNumbers {
 };
 
 /// Cost O(n log n), in parallel in part.
-SceneNumbers measureScene(std::span<const Triangle> triangles);
+SceneNumbers measureScene(std::span<const Primitive> triangles);
 
 /// What the scene uses beyond plain triangles, in words that stay the same: "textures", "mirrors", "spot lights" ... Of the
 /// materials, only those count that a triangle has.

@@ -47,7 +47,7 @@ PredictedCost predict(const Structure& structure, const std::vector<Ray>& rays) 
 
 }  // namespace
 
-std::vector<Trial> tryStructures(const Scene& scene, const Geometry& geometry, std::span<const Triangle> triangles,
+std::vector<Trial> tryStructures(const Scene& scene, const Geometry& geometry, std::span<const Primitive> triangles,
                                  const TrialOptions& options) {
     const BuildParams params{.memoryBudget = options.memoryBudget};
     const std::span<const StructureType> types = structureTypes();

@@ -47,7 +47,7 @@ inline constexpr uint64_t mostForBrute = 4096;
 
 /// Builds every structure of registry.def with its own defaults, in that order, and predicts its cost. The same every time.
 /// A limitError of a builder is that trial's trouble.
-std::vector<Trial> tryStructures(const Scene& scene, const Geometry& geometry, std::span<const Triangle> triangles,
+std::vector<Trial> tryStructures(const Scene& scene, const Geometry& geometry, std::span<const Primitive> triangles,
                                  const TrialOptions& options);
 
 struct Choice {

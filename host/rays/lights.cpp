@@ -23,7 +23,7 @@ std::vector<Emitter> listEmitters(const Scene& scene, const Geometry& geometry) 
     double sum = 0.0;
     for (uint32_t i = 0; i < geometry.triangles.size(); ++i) {
         const double radiance = brightness[geometry.materials[i]];
-        if (!(radiance > 0.0)) continue;
+        if (!(radiance > 0.0) || geometry.isSphere(i)) continue;
         const uvec3 t = geometry.triangles[i];
         const vec3 a = geometry.positions[t.x], b = geometry.positions[t.y], c = geometry.positions[t.z];
         if (!isUsable(a, b, c)) continue;

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "reference/sphere.hpp"
 
 #include <algorithm>
 
@@ -59,6 +60,11 @@ Tree::Tree(const Geometry& geometry) : geometry_(&geometry) {
     std::vector<Item> items;
     items.reserve(geometry.triangles.size());
     for (uint32_t id = 0; id < geometry.triangles.size(); ++id) {
+        if (geometry.isSphere(id)) {
+            const Sphere& sphere = geometry.sphere(id);
+            if (raig::isUsableSphere(sphere.centre, sphere.radius)) items.push_back({sphere.centre, id});
+            continue;
+        }
         const uvec3 t = geometry.triangles[id];
         const vec3 a = geometry.positions[t.x], b = geometry.positions[t.y], c = geometry.positions[t.z];
         if (raig::isUsable(a, b, c)) items.push_back({a / 3.0f + b / 3.0f + c / 3.0f, id});
@@ -74,6 +80,12 @@ Tree::Tree(const Geometry& geometry) : geometry_(&geometry) {
 Box Tree::leafBox(const std::vector<Item>& items, size_t begin, size_t end) const {
     Box box;
     for (size_t i = begin; i < end; ++i) {
+        if (geometry_->isSphere(items[i].id)) {
+            const Sphere& sphere = geometry_->sphere(items[i].id);
+            box.grow(sphere.centre - sphere.radius);  // the padding is larger than what is rounded
+            box.grow(sphere.centre + sphere.radius);
+            continue;
+        }
         const uvec3 t = geometry_->triangles[items[i].id];
         box.grow(geometry_->positions[t.x]);
         box.grow(geometry_->positions[t.y]);
@@ -119,15 +131,32 @@ void Tree::split(std::vector<Item>& items, uint32_t level, size_t position) {
 void Tree::hitLeaf(Search& search, size_t position) const {
     for (size_t i = firstOf(depth_, position); i < firstOf(depth_, position + 1) && !search.done(); ++i) {
         const uint32_t id = order_[i];
-        if (id == search.leaving || id == search.arriving) continue;
         if (search.any && !search.seeThrough.empty() && search.seeThrough[geometry_->materials[id]]) continue;
-        const uvec3 t = geometry_->triangles[id];
-        const auto crossing =
-            cross(search.ray, geometry_->positions[t.x], geometry_->positions[t.y], geometry_->positions[t.z]);
-        if (!crossing || crossing->t < search.ray.tMin || crossing->t > search.best.t) continue;
-        if (crossing->t == search.best.t && id > search.best.primitive) continue;
-        search.best = {crossing->t, crossing->u, crossing->v, id};
+        if (geometry_->isSphere(id))
+            hitSphere(search, id);
+        else
+            hitTriangle(search, id);
     }
+}
+
+void Tree::take(Search& search, const Hit& hit) {
+    if (!(hit.t >= search.ray.tMin && hit.t <= search.best.t)) return;
+    if (hit.t < search.best.t || hit.primitive <= search.best.primitive) search.best = hit;
+}
+
+void Tree::hitTriangle(Search& search, uint32_t id) const {
+    if (id == search.leaving || id == search.arriving) return;
+    const uvec3 t = geometry_->triangles[id];
+    const auto crossing = cross(search.ray, geometry_->positions[t.x], geometry_->positions[t.y], geometry_->positions[t.z]);
+    if (crossing) take(search, {crossing->t, crossing->u, crossing->v, id});
+}
+
+void Tree::hitSphere(Search& search, uint32_t id) const {
+    const Sphere& sphere = geometry_->sphere(id);
+    const auto crossing = crossSphere(search.ray, sphere.centre, sphere.radius);
+    if (!crossing) return;
+    take(search, {crossing->near, 0.0, 0.0, id});
+    take(search, {crossing->far, 0.0, 0.0, id});
 }
 
 /// hit(node): both children, the nearer one first; a leaf's triangles.

@@ -1,4 +1,4 @@
-/// The oracle's `hit`: the closest triangle of a ray, by the lecture's recursion, in double precision.
+/// The oracle's `hit`: the closest triangle or sphere of a ray, by the lecture's recursion, in double precision.
 #pragma once
 
 #include "reference/triangle.hpp"
@@ -11,7 +11,8 @@ namespace raig::reference {
 
 inline constexpr uint32_t noTriangle = 0xffffffffu;
 
-/// The point (1 - u - v) a + u b + v c of triangle `primitive` (its global id), at t; noTriangle: the ray hits nothing.
+/// The point (1 - u - v) a + u b + v c of triangle `primitive` (its global id), at t, or that of a sphere (u = v = 0);
+/// noTriangle: the ray hits nothing.
 struct Hit {
     double t = std::numeric_limits<double>::infinity();
     double u = 0.0;
@@ -21,9 +22,9 @@ struct Hit {
     bool operator==(const Hit&) const = default;
 };
 
-/// A balanced binary tree of boxes over the usable triangles of a geometry, which must outlive it.
+/// A balanced binary tree of boxes over the usable triangles and spheres of a geometry, which must outlive it.
 ///
-/// The triangles are halved at the median of their centres along the longest side of the centres' box, until at most
+/// They are halved at the median of their centres along the longest side of the centres' box, until at most
 /// `leafSize` are left. All leaves are on one level, so the tree needs no links: node i has the children 2 i + 1 and 2 i +
 /// 2, and its triangles are an even share of the list. Boxes are padded by 2^-20 of their coordinates, 2^30 times what
 /// double precision needs: the tree decides what is tried, never what is hit.
@@ -32,7 +33,8 @@ public:
     /// Cost O(n log n) in parallel; some 20 bytes a triangle to keep, 36 while building.
     explicit Tree(const Geometry& geometry);
 
-    /// The closest hit with t in [ray.tMin, ray.tMax]; the lowest id among equal t. Triangle `leaving` is passed over.
+    /// The closest hit with t in [ray.tMin, ray.tMax]; the lowest id among equal t. Triangle `leaving` is passed over; a
+    /// sphere is not, as a ray in it meets it again: so it must be left from its own side.
     /// An unusable ray hits nothing.
     Hit closest(const Ray& ray, uint32_t leaving = noTriangle) const;
 
@@ -54,6 +56,9 @@ private:
     Box leafBox(const std::vector<Item>& items, size_t begin, size_t end) const;
     void hit(Search& search, uint32_t level, size_t position) const;
     void hitLeaf(Search& search, size_t position) const;
+    void hitTriangle(Search& search, uint32_t id) const;
+    void hitSphere(Search& search, uint32_t id) const;
+    static void take(Search& search, const Hit& hit);
 
     const Geometry* geometry_;
     uint32_t depth_ = 0;           ///< the leaves' level; the root's is 0

@@ -36,6 +36,7 @@ Emitters findEmitters(const Geometry& geometry, const std::vector<Surface>& surf
     for (uint32_t id = 0; id < geometry.triangles.size(); ++id) {
         const dvec3 emission = surfaces[geometry.materials[id]].emission;
         if (emission == dvec3(0.0)) continue;
+        if (geometry.isSphere(id)) continue;  // seen to glow, but no light
         const uvec3 t = geometry.triangles[id];
         if (!raig::isUsable(geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z])) continue;
         const Corners corners = cornersOf(geometry, id);
@@ -99,8 +100,28 @@ dvec3 textureColour(const World& world, const Texture& texture, const dvec2& uv)
     return colour;
 }
 
+namespace {
+
+/// Without texture or vertex colours; the point is brought onto the sphere.
+SurfacePoint pointOnSphere(const World& world, const Ray& ray, const Hit& hit) {
+    const Sphere& sphere = world.geometry.sphere(hit.primitive);
+    const dvec3 centre(sphere.centre);
+    SurfacePoint p{};
+    p.surface = &world.surfaces[world.geometry.materials[hit.primitive]];
+    p.faceNormal = glm::normalize(ray.origin + hit.t * ray.direction - centre);
+    p.position = centre + double{sphere.radius} * p.faceNormal;
+    p.front = glm::dot(ray.direction, p.faceNormal) < 0.0;
+    p.normal = p.shadingNormal = p.front ? p.faceNormal : -p.faceNormal;
+    p.magnitude = std::max(largest(centre), largest(centre - ray.origin)) + sphere.radius;
+    p.tint = dvec3(1.0);
+    return p;
+}
+
+}  // namespace
+
 SurfacePoint surfaceAt(const World& world, const Ray& ray, const Hit& hit) {
     const Geometry& geometry = world.geometry;
+    if (geometry.isSphere(hit.primitive)) return pointOnSphere(world, ray, hit);
     const Corners corners = cornersOf(geometry, hit.primitive);
     const dvec3 weights(1.0 - hit.u - hit.v, hit.u, hit.v);
     const uint32_t material = geometry.materials[hit.primitive];

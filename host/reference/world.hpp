@@ -8,7 +8,7 @@
 
 namespace raig::reference {
 
-/// The triangles that emit light, to be chosen in proportion to area times luminance (.2126 .7152 .0722).
+/// The triangles that emit light (no spheres), to be chosen in proportion to area times luminance (.2126 .7152 .0722).
 struct Emitters {
     std::vector<uint32_t> triangles;  ///< usable ones with emission, by id
     std::vector<double> areas;
@@ -33,7 +33,7 @@ struct World {
 struct SurfacePoint {
     const Surface* surface;
     dvec3 position;
-    dvec3 faceNormal;     ///< unit, by the corners' order
+    dvec3 faceNormal;     ///< unit, by the corners' order; of a sphere, outwards
     dvec3 normal;         ///< unit, the face's, turned against the ray
     dvec3 shadingNormal;  ///< unit, interpolated, turned against the ray
     dvec3 tint;           ///< texture times vertex colour

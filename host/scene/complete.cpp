@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace raig {
 
@@ -13,9 +14,20 @@ namespace {
 
 /// What the standard camera looks at.
 struct Subject {
-    std::vector<vec3> points;  ///< the vertices that triangles name, in the world, within reach of rays
-    Box bounds;                ///< of the usable triangles
+    std::vector<vec3> points;  ///< the vertices that triangles name, and points of spheres, in the world, within reach of rays
+    Box bounds;                ///< of the usable triangles and spheres
 };
+
+/// 26 directions, evenly enough to frame a sphere by.
+void addSphere(const Sphere& sphere, Subject& subject) {
+    if (!isUsableSphere(sphere.centre, sphere.radius)) return;
+    subject.bounds.grow(sphereBox(sphere.centre, sphere.radius));
+    for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y)
+            for (int z = -1; z <= 1; ++z)
+                if (const dvec3 way(x, y, z); x != 0 || y != 0 || z != 0)
+                    subject.points.emplace_back(dvec3(sphere.centre) + double{sphere.radius} * glm::normalize(way));
+}
 
 Subject findSubject(const Scene& scene) {
     Subject subject;
@@ -33,6 +45,7 @@ Subject findSubject(const Scene& scene) {
         }
         for (size_t i = 0; i < placed.size(); ++i)
             if (isNamed[i] && isFinite(placed[i])) subject.points.push_back(placed[i]);
+        for (const Sphere& sphere : mesh.spheres) addSphere(placeSphere(instance.toWorld, sphere), subject);
     }
     return subject;
 }
@@ -57,7 +70,10 @@ bool emits(const Scene& scene) {
     for (const Material& material : scene.materials)
         emitting.push_back(glm::any(glm::greaterThan(material.emission, vec3(0.0f))));
     return std::ranges::any_of(scene.instances, [&](const Instance& instance) {
-        return std::ranges::any_of(scene.meshes[instance.mesh].materials, [&](uint32_t index) { return emitting[index]; });
+        // Spheres glow, but light nothing.
+        const Mesh& mesh = scene.meshes[instance.mesh];
+        const auto ofTriangles = std::span(mesh.materials).first(mesh.triangles.size());
+        return std::ranges::any_of(ofTriangles, [&](uint32_t index) { return emitting[index]; });
     });
 }
 

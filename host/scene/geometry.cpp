@@ -52,7 +52,26 @@ void copyTriangles(const Mesh& mesh, const dmat4& toWorld, size_t firstVertex, s
     });
 }
 
-/// Fills in the bounds of the usable triangles and counts the others.
+void copySpheres(const Mesh& mesh, const dmat4& toWorld, size_t first, Geometry& geometry) {
+    for (const Sphere& sphere : mesh.spheres) {
+        geometry.triangles[first] = uvec3(geometry.spheres.size(), Geometry::noVertex, Geometry::noVertex);
+        geometry.materials[first] = mesh.materials[first - geometry.firstTriangle.back()];
+        geometry.spheres.push_back(placeSphere(toWorld, sphere));
+        ++first;
+    }
+}
+
+void measureSphere(const Sphere& sphere, Box& bounds, Dropped& dropped) {
+    if (isUsableSphere(sphere.centre, sphere.radius)) {
+        bounds.grow(sphereBox(sphere.centre, sphere.radius));
+    } else if (isInRange(sphere.centre) && sphere.radius <= 0.0f) {
+        ++dropped.zeroArea;
+    } else {
+        ++dropped.nonFinite;
+    }
+}
+
+/// Fills in the bounds of the usable primitives and counts the others.
 void measure(Geometry& geometry) {
     std::mutex mutex;
     parallelFor(geometry.triangles.size(), 16384, [&](size_t begin, size_t end) {
@@ -60,6 +79,10 @@ void measure(Geometry& geometry) {
         Dropped dropped;
         for (size_t i = begin; i < end; ++i) {
             const uvec3 t = geometry.triangles[i];
+            if (geometry.isSphere(static_cast<uint32_t>(i))) {
+                measureSphere(geometry.spheres[t.x], bounds, dropped);
+                continue;
+            }
             const vec3 a = geometry.positions[t.x], b = geometry.positions[t.y], c = geometry.positions[t.z];
             if (isUsable(a, b, c)) {
                 bounds.grow(a);
@@ -87,19 +110,37 @@ Geometry::Place Geometry::place(uint32_t index) const {
     return {instance, index - firstTriangle[instance]};
 }
 
+std::optional<double> uniformScale(const dmat4& toWorld) {
+    const glm::dmat3 linear(toWorld);
+    const double squared = (glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2])) / 3.0;
+    if (!(squared > 0.0)) return 0.0;
+    for (int i = 0; i < 3; ++i) {
+        const double along = glm::dot(linear[i], linear[i]), across = glm::dot(linear[i], linear[(i + 1) % 3]);
+        // Half the difference of squares is that of lengths.
+        if (!(std::abs(along - squared) <= 0x1p-15 * squared && std::abs(across) <= 0x1p-16 * squared)) return std::nullopt;
+    }
+    return std::sqrt(squared);
+}
+
+Sphere placeSphere(const dmat4& toWorld, const Sphere& sphere) {
+    const std::optional<double> scale = uniformScale(toWorld);
+    RAIG_CHECK(scale.has_value());
+    return {placePoint(toWorld, sphere.centre), static_cast<float>(*scale * sphere.radius)};
+}
+
 Geometry flatten(const Scene& scene) {
     const std::vector<size_t> firstVertex = firstVertices(scene);
     size_t triangleCount = 0;
     bool anyNormals = false, anyUvs = false, anyColors = false;
     for (const Instance& instance : scene.instances) {
         const Mesh& mesh = scene.meshes[instance.mesh];
-        triangleCount += mesh.triangles.size();
+        triangleCount += mesh.primitiveCount();
         anyNormals |= !mesh.normals.empty();
         anyUvs |= !mesh.uvs.empty();
         anyColors |= !mesh.colors.empty();
     }
     if (triangleCount > 0x7ffffffe || firstVertex.back() > 0xfffffffe)
-        throw limitError("the scene has {} triangles with its instances written out; at most {} can be traced", triangleCount,
+        throw limitError("the scene has {} triangles and spheres with its instances written out; at most {} can be traced", triangleCount,
                          0x7ffffffe);
 
     Geometry geometry;
@@ -115,7 +156,8 @@ Geometry flatten(const Scene& scene) {
         const Mesh& mesh = scene.meshes[instance.mesh];
         transformVertices(mesh, instance.toWorld, firstVertex[i], geometry);
         copyTriangles(mesh, instance.toWorld, firstVertex[i], geometry.firstTriangle.back(), geometry);
-        geometry.firstTriangle.push_back(geometry.firstTriangle.back() + static_cast<uint32_t>(mesh.triangles.size()));
+        copySpheres(mesh, instance.toWorld, geometry.firstTriangle.back() + mesh.triangles.size(), geometry);
+        geometry.firstTriangle.push_back(geometry.firstTriangle.back() + static_cast<uint32_t>(mesh.primitiveCount()));
     }
     measure(geometry);
     geometry.dropped.other = scene.otherPrimitives;

@@ -4,6 +4,7 @@
 /// (gltf_check), then materials, meshes and nodes, which rely on those checks.
 #include "scene/gltf_parts.hpp"
 #include "scene/import.hpp"
+#include "scene/spheres.hpp"
 #include "scene/validate.hpp"
 
 namespace raig {
@@ -21,6 +22,8 @@ Scene importGltf(const std::filesystem::path& path) {
     const std::vector<gltf::UvSource> uvSources = gltf::addMaterials(document, scene, remarks);
     gltf::addMeshes(document, uvSources, scene, remarks);
     gltf::addNodes(document, scene, remarks);
+    for (size_t i = writeOutDeformedSpheres(scene); i > 0; --i)
+        remarks.add("a sphere that its node scales unevenly is written out as triangles");
     scene.remarks = remarks.lines();
 
     const std::optional<std::string> fault = findFault(scene);

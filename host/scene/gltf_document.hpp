@@ -65,6 +65,7 @@ template <class... Args>
 /// Ensures   nesting of at most 200; members that name or count things are non-negative integers that tinygltf's int or
 ///           size_t hold; numbers, booleans, strings, arrays and objects are where the specification wants them.
 ///           `extras`, unsupported extensions and morph targets are taken out; primitives with targets are counted.
+///           Primitives that are shapes get attributes, none.
 /// Throws    inputError with the JSON pointer.
 nlohmann::json parseJson(std::string_view text, const std::string& file, size_t& morphedCount);
 

@@ -15,14 +15,14 @@ using Names = std::set<std::string_view>;
 constexpr int deepestNesting = 200;
 
 const Names supportedExtensions = {
-    "EXT_mesh_gpu_instancing", "KHR_lights_punctual",        "KHR_materials_emissive_strength",
+    "EXT_mesh_gpu_instancing", "KHR_implicit_shapes", "KHR_lights_punctual",        "KHR_materials_emissive_strength",
     "KHR_materials_ior",       "KHR_materials_transmission", "KHR_materials_unlit",
     "KHR_materials_volume",    "KHR_mesh_quantization",      "KHR_texture_transform"};
 
 /// Members that must be non-negative integers, wherever they hold no array or object.
 const Names integerMembers = {"buffer",  "bufferView", "byteLength", "byteOffset", "byteStride", "camera", "componentType",
                               "count",   "index",      "indices",    "light",      "material",   "mesh",   "mode",
-                              "sampler", "scene",      "skin",       "source",     "texCoord",   "wrapS",  "wrapT"};
+                              "sampler", "scene",      "shape",      "skin",       "source",     "texCoord",   "wrapS",  "wrapT"};
 /// The ones among them that may exceed an int.
 const Names sizeMembers = {"byteLength", "byteOffset", "byteStride", "count"};
 /// Arrays whose elements, unless objects, must be non-negative integers.
@@ -42,6 +42,7 @@ const Names numberMembers = {"aspectRatio",
                              "metallicFactor",
                              "offset",
                              "outerConeAngle",
+                             "radius",
                              "range",
                              "rotation",
                              "roughnessFactor",
@@ -67,12 +68,13 @@ const Names objectMembers = {"asset",
                              "pbrMetallicRoughness",
                              "perspective",
                              "sparse",
+                             "sphere",
                              "spot",
                              "transmissionTexture"};
 const Names arrayMembers = {
     "accessors",      "animations", "bufferViews", "buffers",   "cameras", "children", "extensionsRequired",
     "extensionsUsed", "images",     "lights",      "materials", "meshes",  "nodes",    "primitives",
-    "samplers",       "scenes",     "skins",       "textures"};
+    "samplers",       "scenes",     "shapes",      "skins",     "textures"};
 
 /// The way from the root to a value, kept on the call stack and spelt out only for a message.
 struct Step {
@@ -107,6 +109,12 @@ private:
             ++morphedCount_;
             object.erase("targets");
         }
+        const bool isPrimitive = at.isIndex && at.parent && at.parent->key == "primitives";
+        const auto extensions = object.find("extensions");
+        // tinygltf knows no primitives without attributes.
+        if (isPrimitive && !object.contains("attributes") && extensions != object.end() && extensions->is_object() &&
+            extensions->contains("KHR_implicit_shapes"))
+            object["attributes"] = Json::object();
         const bool areAttributes = !at.isIndex && at.key == "attributes";
         for (auto& [key, child] : object.items()) {
             const Step step{&at, key, 0, false};

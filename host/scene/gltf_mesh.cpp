@@ -54,12 +54,19 @@ class MeshReader {
 public:
     MeshReader(const Document& document, const std::vector<UvSource>& uvSources, Scene& scene, Remarks& remarks,
                size_t& written)
-        : document_(document), uvSources_(uvSources), scene_(scene), remarks_(remarks), written_(written) {}
+        : document_(document),
+          uvSources_(uvSources),
+          shapes_(readShapes(document)),
+          scene_(scene),
+          remarks_(remarks),
+          written_(written) {}
 
     Mesh read(size_t index);
 
 private:
     void addPrimitive(const tinygltf::Primitive& primitive, const std::string& pointer);
+    void addShape(const Shape& shape, uint32_t material);
+    uint32_t materialOf(const tinygltf::Primitive& primitive) const;
     uint32_t addVertices(const tinygltf::Primitive& primitive, const std::string& pointer);
     void addNormals(int accessor, const std::string& pointer, size_t first);
     void addUvs(int accessor, const UvSource& source, const std::string& pointer, size_t first);
@@ -68,10 +75,12 @@ private:
 
     const Document& document_;
     const std::vector<UvSource>& uvSources_;
+    std::vector<Shape> shapes_;
     Scene& scene_;
     Remarks& remarks_;
     size_t& written_;
     Mesh mesh_;
+    std::vector<uint32_t> sphereMaterials_;
     std::map<VertexKey, uint32_t> firstVertex_;
 };
 
@@ -91,13 +100,40 @@ Mesh MeshReader::read(size_t index) {
     const tinygltf::Mesh& source = document_.model.meshes[index];
     mesh_ = Mesh{};
     mesh_.name = source.name;
+    sphereMaterials_.clear();
     firstVertex_.clear();
     for (size_t p = 0; p < source.primitives.size(); ++p)
         addPrimitive(source.primitives[p], fmt::format("/meshes/{}/primitives/{}", index, p));
+    mesh_.materials.insert(mesh_.materials.end(), sphereMaterials_.begin(), sphereMaterials_.end());
     return std::move(mesh_);
 }
 
+/// Of a primitive that names none, the default one, which comes after the document's.
+uint32_t MeshReader::materialOf(const tinygltf::Primitive& primitive) const {
+    return static_cast<uint32_t>(primitive.material >= 0 ? primitive.material
+                                                         : static_cast<int>(document_.model.materials.size()));
+}
+
+void MeshReader::addShape(const Shape& shape, uint32_t material) {
+    if (!shape.isSphere()) {
+        ++scene_.otherPrimitives;
+        remarks_.add(fmt::format("a shape that is no sphere is left out: {}", shape.type));
+        return;
+    }
+    mesh_.spheres.push_back({vec3(0.0f), shape.radius});
+    sphereMaterials_.push_back(material);
+    if (material >= document_.model.materials.size()) return;
+    const Material& surface = scene_.materials[material];
+    if (surface.baseColorTexture) remarks_.add("a sphere's texture is left out: spheres have no texture coordinates");
+    if (glm::any(glm::greaterThan(surface.emission, vec3(0.0f))))
+        remarks_.add("a sphere glows, but lights nothing: only triangles are lights");
+}
+
 void MeshReader::addPrimitive(const tinygltf::Primitive& primitive, const std::string& pointer) {
+    if (const Shape* shape = shapeOf(document_, shapes_, primitive, pointer)) {
+        if (primitive.attributes.empty()) return addShape(*shape, materialOf(primitive));
+        remarks_.add("a primitive with both vertices and a shape has its vertices used");
+    }
     if (findAttribute(primitive, "POSITION") < 0) {
         remarks_.add("a primitive without positions is left out");
         return;
@@ -135,15 +171,13 @@ void MeshReader::addPrimitive(const tinygltf::Primitive& primitive, const std::s
         remarks_.add("a primitive's last, incomplete triangle is left out");
     if (primitives == 0) return;
     const uint32_t first = addVertices(primitive, pointer);
-    const uint32_t material = primitive.material >= 0 ? static_cast<uint32_t>(primitive.material)
-                                                      : static_cast<uint32_t>(document_.model.materials.size());
     mesh_.triangles.reserve(mesh_.triangles.size() + primitives);
     for (size_t i = 0; i < primitives; ++i) {
         const uvec3 at = cornersOf(primitive.mode, static_cast<uint32_t>(i));
         const uvec3 corners = isIndexed ? uvec3(indices[at.x], indices[at.y], indices[at.z]) : at;
         mesh_.triangles.push_back(corners + first);
     }
-    mesh_.materials.resize(mesh_.triangles.size(), material);
+    mesh_.materials.resize(mesh_.triangles.size(), materialOf(primitive));
 }
 
 /// The index of the primitive's first vertex in the mesh.

@@ -19,7 +19,22 @@ struct UvSource {
 /// mean. Returns one UvSource a material.
 std::vector<UvSource> addMaterials(const Document& document, Scene& scene, Remarks& remarks);
 
-/// Appends every mesh, in the file's order. Primitives of one mesh are concatenated; those that share their attributes share
+/// A shape of KHR_implicit_shapes: only spheres have a radius here.
+struct Shape {
+    std::string type;
+    float radius = 0.0f;
+
+    bool isSphere() const { return radius > 0.0f; }
+};
+
+/// The document's shapes. Throws where one has no type, or a sphere no positive radius.
+std::vector<Shape> readShapes(const Document& document);
+
+/// The shape that a mesh's primitive is, or null. Throws if there is no such shape.
+const Shape* shapeOf(const Document& document, const std::vector<Shape>& shapes, const tinygltf::Primitive& primitive,
+                     const std::string& pointer);
+
+/// Appends every mesh, in the file's order. Primitives of one mesh are concatenated, all triangles before all spheres; those that share their attributes share
 /// their vertices. Throws limitError if more than 2^28 vertices or indices would have to be written out.
 void addMeshes(const Document& document, const std::vector<UvSource>& uvSources, Scene& scene, Remarks& remarks);
 

@@ -45,8 +45,14 @@ struct Material {
     std::optional<Texture> baseColorTexture;
 };
 
-/// Triangles in file order. `normals`, `uvs` and `colors` are empty or have one entry a vertex.
-/// Every index is in range; normals are unit length or zero; no promise is made about positions (they may be NaN).
+struct Sphere {
+    vec3 centre{0.0f};
+    float radius = 0.0f;
+};
+
+/// Triangles in file order, then spheres in file order: so a mesh's primitives are numbered. `normals`, `uvs` and `colors` are empty or have one entry a vertex.
+/// Every index is in range; normals are unit length or zero; no promise is made about positions and spheres
+/// (they may be NaN).
 struct Mesh {
     std::string name;
     std::vector<vec3> positions;
@@ -54,10 +60,14 @@ struct Mesh {
     std::vector<vec2> uvs;
     std::vector<vec3> colors;
     std::vector<uvec3> triangles;
-    std::vector<uint32_t> materials;  ///< one a triangle, an index into Scene::materials
+    std::vector<Sphere> spheres;
+    std::vector<uint32_t> materials;  ///< one a primitive, an index into Scene::materials
+
+    size_t primitiveCount() const { return triangles.size() + spheres.size(); }
 };
 
-/// A mesh put into the world. `toWorld` is finite and affine; it may be singular (its triangles are then dropped).
+/// A mesh put into the world. `toWorld` is finite and affine; it may be singular (its triangles are then dropped). Where the
+/// mesh has spheres, it scales all lengths alike (uniformScale() in geometry.hpp).
 struct Instance {
     uint32_t mesh = 0;
     dmat4 toWorld{1.0};
@@ -96,8 +106,8 @@ struct Sky {
 
 /// How many primitives cannot be used, by reason. They keep their ids, and no ray hits them.
 struct Dropped {
-    uint64_t nonFinite = 0;  ///< a corner is NaN, infinite, or beyond +-1.844e18
-    uint64_t zeroArea = 0;   ///< corners coincide or are collinear
+    uint64_t nonFinite = 0;  ///< a corner, or a point of a sphere, is NaN, infinite, or beyond +-1.844e18
+    uint64_t zeroArea = 0;   ///< corners coincide or are collinear; a radius is not positive
     uint64_t other = 0;      ///< points, lines, and faces of fewer than 3 corners
 };
 

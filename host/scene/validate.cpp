@@ -1,5 +1,7 @@
 #include "scene/validate.hpp"
 
+#include "scene/geometry.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -41,15 +43,16 @@ Fault findMeshFault(const Mesh& mesh, size_t materialCount) {
         return fault("{} uvs for {} vertices", mesh.uvs.size(), vertexCount);
     if (!mesh.colors.empty() && mesh.colors.size() != vertexCount)
         return fault("{} colours for {} vertices", mesh.colors.size(), vertexCount);
-    if (mesh.materials.size() != mesh.triangles.size())
-        return fault("{} material indices for {} triangles", mesh.materials.size(), mesh.triangles.size());
+    if (mesh.materials.size() != mesh.primitiveCount())
+        return fault("{} material indices for {} triangles and spheres", mesh.materials.size(), mesh.primitiveCount());
     for (size_t i = 0; i < mesh.triangles.size(); ++i) {
         const uvec3 t = mesh.triangles[i];
         const uint32_t last = std::max(std::max(t.x, t.y), t.z);
         if (last >= vertexCount) return fault("triangle {} names vertex {} of {}", i, last, vertexCount);
-        if (mesh.materials[i] >= materialCount)
-            return fault("triangle {} names material {} of {}", i, mesh.materials[i], materialCount);
     }
+    for (size_t i = 0; i < mesh.materials.size(); ++i)
+        if (mesh.materials[i] >= materialCount)
+            return fault("primitive {} names material {} of {}", i, mesh.materials[i], materialCount);
     for (size_t i = 0; i < mesh.normals.size(); ++i)
         if (mesh.normals[i] != vec3(0.0f) && !isUnit(mesh.normals[i])) return fault("normal {} is neither unit nor zero", i);
     for (size_t i = 0; i < mesh.uvs.size(); ++i)
@@ -59,13 +62,14 @@ Fault findMeshFault(const Mesh& mesh, size_t materialCount) {
     return std::nullopt;
 }
 
-Fault findInstanceFault(const Instance& instance, size_t meshCount) {
-    if (instance.mesh >= meshCount) return fault("names mesh {} of {}", instance.mesh, meshCount);
+Fault findInstanceFault(const Instance& instance, const std::vector<Mesh>& meshes) {
+    if (instance.mesh >= meshes.size()) return fault("names mesh {} of {}", instance.mesh, meshes.size());
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row)
             if (!std::isfinite(instance.toWorld[column][row])) return fault("toWorld is not finite");
     const dmat4& m = instance.toWorld;
     if (m[0].w != 0.0 || m[1].w != 0.0 || m[2].w != 0.0 || m[3].w != 1.0) return fault("toWorld is not affine");
+    if (!meshes[instance.mesh].spheres.empty() && !uniformScale(m)) return fault("toWorld makes no spheres of spheres");
     return std::nullopt;
 }
 
@@ -132,7 +136,7 @@ std::optional<std::string> findFault(const Scene& scene) {
             firstFault("mesh", scene.meshes, [&](const Mesh& mesh) { return findMeshFault(mesh, scene.materials.size()); }))
         return f;
     if (const Fault f = firstFault("instance", scene.instances, [&](const Instance& instance) {
-            return findInstanceFault(instance, scene.meshes.size());
+            return findInstanceFault(instance, scene.meshes);
         }))
         return f;
     if (const Fault f = firstFault("material", scene.materials, [&](const Material& material) {

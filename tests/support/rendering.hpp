@@ -4,6 +4,7 @@
 #include "base/parallel.hpp"
 #include "rays/frame.hpp"
 #include "rays/lights.hpp"
+#include "rays/primitives.hpp"
 #include "scene/import.hpp"
 
 #include <memory>
@@ -68,17 +69,10 @@ inline Camera lookAt(const vec3& eye, const vec3& target, float yfov = 0.785398f
     return camera;
 }
 
-inline std::vector<Triangle> trianglesOf(const Geometry& geometry) {
-    std::vector<Triangle> triangles;
-    for (const uvec3& t : geometry.triangles)
-        triangles.push_back({geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z]});
-    return triangles;
-}
-
 /// A scene with all that rendering it takes.
 struct Stage {
     explicit Stage(Scene s, const std::string& accel = "bvh") : scene(std::move(s)), geometry(flatten(scene)) {
-        structure = structureType(accel).build(trianglesOf(geometry), {});
+        structure = structureType(accel).build(primitivesOf(geometry), {});
         const std::vector<uint8_t> seeThrough = findSeeThrough(scene, geometry);
         if (!seeThrough.empty()) structure.markSeeThrough(seeThrough);
     }
