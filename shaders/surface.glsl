@@ -5,9 +5,9 @@
 
 struct SurfacePoint {
     BoundedPoint at;
-    vec3 normal;         // n: of the triangle, on the ray's side
+    vec3 normal;         // n: of the triangle or sphere, on the ray's side
     vec3 shading;        // ns: interpolated from the vertices, on the ray's side
-    bool front;          // the ray came from where the corners run counterclockwise
+    bool front;          // the ray came from where the corners run counterclockwise, or from outside the sphere
     vec3 diffuse;        // tinted by texture and vertex colours
     float gloss;
     vec3 mirror;         // tinted
@@ -72,27 +72,50 @@ vec3 tintAt(uvec4 triangle, vec3 b, uint texture_) {
     return tint;
 }
 
-// What `ray` (unit direction) finds at `hit`. Requires hit.primitive != NO_HIT.
-SurfacePoint surfaceAt(Ray ray, Hit hit) {
-    uvec4 triangle = scene_at(frame.trianglesAt + hit.primitive);
+// Where the ray meets the triangle, with its normals. Returns the tint.
+vec3 meetTriangle(uvec4 triangle, uint texture_, Ray ray, Hit hit, INOUT(SurfacePoint) p) {
     Corners corners = cornersOf(triangle);
     precise float b0 = 1.0f - hit.u - hit.v;
     vec3 b = vec3(b0, hit.u, hit.v);
-
-    SurfacePoint p;
     p.at = pointOf(corners.a, corners.b, corners.c, hit.u, hit.v);
     vec3 faced = faceNormal(corners.a, corners.b, corners.c, -ray.direction);
     p.front = dot(ray.direction, faced) < 0.0f;
     p.normal = p.front ? faced : -faced;
     p.shading = p.normal;
     if ((FEATURES & FEATURE_NORMALS) != 0u) p.shading = shadingNormal(triangle, b, ray.direction, p.normal);
+    return tintAt(triangle, b, texture_);
+}
 
+// The same for a sphere: the point at the hit's t, projected to the surface. It has neither texture nor vertex colours.
+vec3 meetSphere(uvec4 triangle, Ray ray, Hit hit, INOUT(SurfacePoint) p) {
+    uvec4 sphere = scene_at(frame.spheresAt + triangle.x);
+    vec3 centre = xyzOf(sphere);
+    precise vec3 away = ray.origin - centre + hit.t * ray.direction;
+    precise vec3 scaled = away * unitScale(away);
+    vec3 outwards = unit(scaled);
+    p.at = pointOfSphere(centre, uintBitsToFloat(sphere.w), outwards);
+    p.front = dot(ray.direction, outwards) < 0.0f;
+    p.normal = p.front ? outwards : -outwards;
+    p.shading = p.normal;
+    return vec3(1.0f);
+}
+
+// What `ray` (unit direction) finds at `hit`. Requires hit.primitive != NO_HIT.
+SurfacePoint surfaceAt(Ray ray, Hit hit) {
+    uvec4 triangle = scene_at(frame.trianglesAt + hit.primitive);
     uint material = frame.materialsAt + triangle.w * MATERIAL_STRIDE;
     uvec4 diffuse = scene_at(material);
     uvec4 mirror = scene_at(material + 1u);
     uvec4 through = scene_at(material + 2u);
     uvec4 absorption = scene_at(material + 3u);
-    vec3 tint = tintAt(triangle, b, absorption.w);
+
+    SurfacePoint p;
+    vec3 tint = vec3(1.0f);
+    if ((FEATURES & FEATURE_SPHERES) != 0u && triangle.y == NO_VERTEX) {
+        tint = meetSphere(triangle, ray, hit, p);
+    } else {
+        tint = meetTriangle(triangle, absorption.w, ray, hit, p);
+    }
     p.diffuse = xyzOf(diffuse) * tint;
     p.gloss = uintBitsToFloat(diffuse.w);
     p.mirror = (through.w & SURFACE_TINTS_MIRROR) != 0u ? xyzOf(mirror) * tint : xyzOf(mirror);

@@ -127,6 +127,7 @@ void packLights(const Scene& scene, const Geometry& geometry, Packer& packer, Fr
 void packGeometry(const Geometry& geometry, Packer& packer, FrameData& data) {
     const bool normals = !geometry.normals.empty(), colors = !geometry.colors.empty();
     const bool uvs = (data.features & FEATURE_TEXTURES) != 0;
+    if (!geometry.spheres.empty()) data.features |= FEATURE_SPHERES;
     data.features |= (normals ? FEATURE_NORMALS : 0) | (uvs ? FEATURE_UVS : 0) | (colors ? FEATURE_COLORS : 0);
 
     data.params.trianglesAt = packer.here();
@@ -134,6 +135,10 @@ void packGeometry(const Geometry& geometry, Packer& packer, FrameData& data) {
     parallelFor(triangles.size(), 65536, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) triangles[i] = uvec4(geometry.triangles[i], geometry.materials[i]);
     });
+
+    static_assert(Geometry::noVertex == NO_VERTEX);
+    data.params.spheresAt = packer.here();
+    for (const Sphere& sphere : geometry.spheres) packer.append(packed(sphere.centre, sphere.radius));
 
     const uint32_t stride = 1 + (normals || uvs ? 1 : 0) + (colors ? 1 : 0);
     data.params.vertexStride = stride;

@@ -36,9 +36,9 @@ struct FrameParams {
     uint vertexStride;       // elements a vertex
     uint texturesAt;
     uint decodeAt;           // 256 floats: what an sRGB byte means
+    uint spheresAt;
     uint unused0;
     uint unused1;
-    uint unused2;
 };
 
 // One dispatch over a list of slots.
@@ -101,8 +101,10 @@ CONSTANT uint FEATURE_MIRRORS = 16u;       // surfaces that reflect
 CONSTANT uint FEATURE_TRANSMISSION = 32u;  // surfaces that let light through
 CONSTANT uint FEATURE_LIGHTS = 64u;
 CONSTANT uint FEATURE_EMITTERS = 128u;
+CONSTANT uint FEATURE_SPHERES = 256u;
 
-// The scene's data is an array of uvec4. A triangle is one element: its vertices and its material. A vertex is `vertexStride`:
+// The scene's data is an array of uvec4. A triangle is one element: its vertices and its material; and so is a sphere in its
+// place: where it is among the spheres, NO_VERTEX, NO_VERTEX, material. A sphere is one element: centre, radius. A vertex is `vertexStride`:
 // position and u; normal and v if there are normals or uvs; colour if there are colours. An emitter is one element: cumulated
 // probability, triangle, area, 0. Textures: one element each (first texel's element, width, height, wraps), then the texels,
 // four an element.
@@ -113,6 +115,7 @@ CONSTANT uint SURFACE_THIN = 1u;
 CONSTANT uint SURFACE_TINTS_MIRROR = 2u;
 CONSTANT uint SURFACE_TINTS_THROUGH = 4u;
 CONSTANT uint NO_TEXTURE = 0xffffffffu;
+CONSTANT uint NO_VERTEX = 0xffffffffu;
 
 CONSTANT uint LIGHT_POINT = 0u;
 CONSTANT uint LIGHT_SPOT = 1u;
