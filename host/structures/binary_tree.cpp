@@ -62,6 +62,35 @@ void widen(BinaryTree& tree, uint32_t arity) {
     tree.wide = std::move(wide);
 }
 
+void compact(BinaryTree& tree) {
+    constexpr uint32_t unreached = 0xffffffffu;
+    std::vector<uint32_t> places(tree.nodes.size(), unreached), pending;
+    if (!tree.nodes.empty()) pending.push_back(0);
+    while (!pending.empty()) {
+        const uint32_t index = pending.back();
+        pending.pop_back();
+        places[index] = 0;
+        if (tree.nodes[index].count > 0) continue;
+        const std::span<const uint32_t> children = tree.childrenOf(tree.nodes[index]);
+        pending.insert(pending.end(), children.begin(), children.end());
+    }
+    uint32_t next = 0;
+    for (uint32_t& place : places)
+        if (place != unreached) place = next++;
+    for (size_t i = 0; i < places.size(); ++i) {
+        if (places[i] == unreached) continue;
+        BinaryNode node = tree.nodes[i];
+        if (node.count == 0 && tree.wide.empty()) {
+            node.left = places[node.left];
+            node.right = places[node.right];
+        }
+        tree.nodes[places[i]] = node;
+    }
+    for (uint32_t& child : tree.wide) child = places[child];
+    tree.nodes.resize(next);
+    tree.nodes.shrink_to_fit();
+}
+
 void prune(BinaryTree& tree, uint32_t maxLeaf) {
     if (!tree.nodes.empty()) pruneBelow(tree, 0, maxLeaf);
 }

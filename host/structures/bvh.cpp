@@ -123,9 +123,13 @@ Structure build(std::span<const Primitive> triangles, const BuildParams& params)
     const uint32_t arity = params.arity == 0 ? defaultArity : params.arity;
     if (arity > 2) widen(tree, arity);
     measure(tree, structure.statistics);
+    // Builders leave room for the most nodes that there can be: in large scenes, as much memory as the rest takes.
+    if (structure.statistics.nodes < tree.nodes.size() / 2 + 1) compact(tree);
     structure.header.nodeCount = static_cast<uint32_t>(structure.statistics.nodes);
     structure.header.triangleCount = static_cast<uint32_t>(tree.references.size());
     layOut(tree, triangles, params, structure);
+    tree.nodes = {};
+    tree.wide = {};
 
     structure.triangles.resize(tree.references.size() * shared::TRIANGLE_STRIDE);
     parallelFor(tree.references.size(), 4096, [&](size_t begin, size_t end) {
