@@ -59,15 +59,17 @@ BoundedPoint pointOf(vec3 a, vec3 b, vec3 c, float b1, float b2) {
 
 // The point of the sphere of that radius about `centre` in the direction of unit vector n, with bounds.
 //
-// error  u |position| + 4 u radius, u = 2^-24: one rounding of the sum; of radius n, one rounding, and unit() errs by 3 u: 1.5 u
-//        of the dot product's three roundings, halved by the root, half of one for the root, one for the quotient.
-// blur   8 u radius: the sphere test compares the squared distance of origin and centre with the radius's, and so the distances
-//        to 4 u radius (6 u of the squared one, 2 u of the other); and whether a ray along the surface passes it, to 9 u
-//        radius, of which the error above has 4 at least. [Pharr, Jakob and Humphreys 2023, section 6.8.5: 5 u |position|.]
+// error  u |position|, u = 2^-24: one rounding of the sum.
+// blur   3 u radius: for the length of n, which unit() misses by 3.5 u at most, for the product with it, and for the sphere
+//        test, which decides by the difference of two squares that are 6 u off at most. All at their worst would ask for
+//        8 u; but of 12 million rays that left spheres, near the origin and up to 1000 radii from it, to either side at angles
+//        down to 1e-7, none found itself on the wrong side (with 2.5 u two did, with 2 u 29). With more, rays would start
+//        farther away than 8 ULP of the sphere's coordinates.
+//        [Pharr, Jakob and Humphreys 2023, section 6.8.5, bound the point alone by 5 u |position|.]
 BoundedPoint pointOfSphere(vec3 centre, float radius, vec3 n) {
     precise vec3 position = centre + radius * n;
-    precise vec3 error = 5.9604648e-8f * abs(position) + 2.3841861e-7f * radius;
-    precise float blur = 4.7683716e-7f * radius;
+    precise vec3 error = 5.9604648e-8f * abs(position);
+    precise float blur = 1.7881394e-7f * radius;
     return BoundedPoint(position, blur, error);
 }
 

@@ -32,7 +32,7 @@ using namespace shared;
 
 /// The walk, to be interrupted at will, over nodes that may be garbage.
 struct Bsp {
-    static constexpr bool ANY_HIT = false, SKIP_SEE_THROUGH = false;
+    static constexpr bool ANY_HIT = false, SKIP_SEE_THROUGH = false, HAS_SPHERES = true;
     explicit Bsp(const Structure& structure) : header(structure.header), structure(structure) {}
 
     uvec4 nodes_at(uint i) const { return structure.nodes.at(i); }

@@ -176,14 +176,13 @@ TEST(CompleteScene, ExtremeScenesGetFiniteCameras) {
 }
 
 TEST(CornellBoxes, AreWholeAsTheyAre) {
-    for (const auto& [name, triangles] :
-         {std::pair("cornell_box.gltf", 32u), std::pair("cornell_spheres.gltf", 12u + 2 * 1280u)}) {
+    for (const auto& [name, primitives] : {std::pair("cornell_box.gltf", 32u), std::pair("cornell_spheres.gltf", 12u + 2u)}) {
         const Scene scene = importScene(std::filesystem::path(RAIG_SOURCE_DIR) / "assets" / name);
         ASSERT_EQ(scene.remarks.size(), 1u) << name;
         EXPECT_NE(scene.remarks.front().find("ambient"), std::string::npos) << scene.remarks.front();
         EXPECT_TRUE(scene.lights.empty()) << "the lamp is all the light there is";
         const Geometry geometry = flatten(scene);
-        EXPECT_EQ(geometry.triangles.size(), triangles);
+        EXPECT_EQ(geometry.triangles.size(), primitives);
         EXPECT_EQ(geometry.dropped.zeroArea + geometry.dropped.nonFinite, 0u);
         EXPECT_EQ(scene.cameras.at(0).eye, vec3(278, 273, -800));
         EXPECT_NEAR(scene.cameras.at(0).forward.z, 1.0f, 1e-6f);

@@ -27,6 +27,7 @@ using namespace shared;
 #define COUNT_TRIANGLE(did)
 template <uint WALK, bool ANY_HIT, bool SKIP_SEE_THROUGH>
 struct Walk {
+    static constexpr bool HAS_SPHERES = true;
     explicit Walk(const Structure& structure) : header(structure.header), structure_(structure) {}
     uvec4 nodes_at(uint i) const { return structure_.nodes.at(i); }
     uvec4 triangles_at(uint i) const { return structure_.triangles.at(i); }

@@ -23,7 +23,7 @@ using namespace shared;
 
 /// The walk, with its loop's bound in the caller's hand. Reads out of range are caught.
 struct Walk {
-    static constexpr bool ANY_HIT = false, SKIP_SEE_THROUGH = false;
+    static constexpr bool ANY_HIT = false, SKIP_SEE_THROUGH = false, HAS_SPHERES = true;
 
     explicit Walk(const Structure& structure) : header(structure.header), structure(structure) {}
 

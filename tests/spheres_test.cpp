@@ -76,9 +76,9 @@ double reachOf(const Ray& ray, const Box& box) {
     return std::max({most.x, most.y, most.z});
 }
 
-// HARD_CASES 51. The walks rely on 53 u M. In ten times as many rays the hits were 7 u M off the surface at most; t erred by 5.2 times
-// what half a unit in the last place of centre, radius or origin changes it by (0.6 on average); and misses and phantoms were within
-// 3 u M of tangency.
+// HARD_CASES 51. The walks rely on 53 u M. In ten times as many rays the hits were 7 u M off the surface at most; t erred
+// by 5.2 times what half a unit in the last place of centre, radius or origin changes it by (0.6 on average); and misses and
+// phantoms were within 3 u M of tangency.
 TEST(Spheres, AreHitWhereExactArithmeticHitsThem) {
     test::Random random(1);
     double worstOffset = 0.0, worstError = 0.0, worstTangency = 0.0;
@@ -86,7 +86,8 @@ TEST(Spheres, AreHitWhereExactArithmeticHitsThem) {
     for (const double scale : {1.0, 1e-13, 2e9})
         for (int i = 0; i < 60; ++i) {
             const vec3 centre = vec3(scale * dvec3(random.inCube(-1, 1)));
-            const Primitive sphere = Primitive::sphere(centre, static_cast<float>(scale * std::pow(10.0, random.within(-3, 0))));
+            const Primitive sphere =
+                Primitive::sphere(centre, static_cast<float>(scale * std::pow(10.0, random.within(-3, 0))));
             std::vector<Ray> some;
             for (int j = 0; j < 1000; ++j) some.push_back(test::rayAtSphere(sphere, random));
             const std::vector<Hit> hits = traceOne(sphere, some);
@@ -109,7 +110,8 @@ TEST(Spheres, AreHitWhereExactArithmeticHitsThem) {
                     const double rest = std::sqrt(std::max(radius * radius - passes * passes, 1e-3 * radius * radius));
                     const double inherent = u * (away + radius) * (1.0 + passes / rest) / length;
                     const double ulp = std::nextafter(static_cast<float>(*want), inf) - static_cast<float>(*want);
-                    if (tangency > 2e-3 * radius / um) worstError = std::max(worstError, std::abs(hits[j].t - *want) / std::max(ulp, inherent));
+                    const double error = std::abs(hits[j].t - *want) / std::max(ulp, inherent);
+                    if (tangency > 2e-3 * radius / um) worstError = std::max(worstError, error);
                 }
                 hitCount += hit;
                 ++rays;
@@ -134,14 +136,16 @@ TEST(Spheres, AreMetFromInsideInEveryDirection) {
                 if (i % 2 == 0) d -= glm::dot(d, n) * n;  // along the surface
                 rays.push_back({vec3(dvec3(sphere.centre()) + sphere.radius() * (1.0 - depth) * n), 0.0f, vec3(d), inf});
             }
-            for (const Hit& hit : traceOne(sphere, rays)) ASSERT_TRUE(hit.primitive == 0 && hit.t >= 0.0f) << scale << ' ' << depth;
+            for (const Hit& hit : traceOne(sphere, rays))
+                ASSERT_TRUE(hit.primitive == 0 && hit.t >= 0.0f) << scale << ' ' << depth;
         }
 }
 
 // HARD_CASES 51: from outside the largest is met first, from inside the smallest, whatever the rounding.
 TEST(Spheres, AroundOneCentreComeInOrder) {
     std::vector<Primitive> shells;
-    for (int i = 0; i < 50; ++i) shells.push_back(Primitive::sphere(vec3(0.3f, 0.1f, -0.2f), 1.0f + 4e-5f * static_cast<float>(i)));
+    for (int i = 0; i < 50; ++i)
+        shells.push_back(Primitive::sphere(vec3(0.3f, 0.1f, -0.2f), 1.0f + 4e-5f * static_cast<float>(i)));
     const Structure structure = structureType("bvh").build(shells, {});
     test::Random random(3);
     std::vector<Ray> rays;
@@ -151,7 +155,8 @@ TEST(Spheres, AroundOneCentreComeInOrder) {
     size_t outside = 0, inside = 0;
     for (size_t i = 0; i < rays.size(); ++i) {
         const double distance = glm::distance(dvec3(rays[i].origin), dvec3(shells[0].centre()));
-        if (distance > 1.01 && hits[i].primitive != NO_HIT) {
+        // From farther away, 4e-5 are less than a unit in the last place of t.
+        if (distance > 1.01 && distance < 100.0 && hits[i].primitive != NO_HIT) {
             ASSERT_EQ(hits[i].primitive, 49u) << test::describe(rays[i]);
             ++outside;
         } else if (distance < 0.99) {
@@ -197,8 +202,8 @@ TEST(Spheres, ShareDistancesByTheLowestId) {
 TEST(Spheres, HaveTheSmallestBoxOfFloatsAroundThem) {
     test::Random random(4);
     for (int i = 0; i < 100'000; ++i) {
-        const auto centre = static_cast<float>(random.within(-1, 1) * std::pow(10.0, random.within(-20, 18)));
-        const auto radius = static_cast<float>(std::pow(10.0, random.within(-20, 17)));
+        const auto centre = static_cast<float>(random.within(-1, 1) * std::pow(10.0, random.within(-12, 12)));
+        const auto radius = static_cast<float>(std::pow(10.0, random.within(-12, 12)));  // sums of which fit 113 bits
         const Box box = sphereBox(vec3(centre), radius);
         const Quad lo = Quad(centre) - Quad(radius), hi = Quad(centre) + Quad(radius);
         ASSERT_TRUE(Quad(box.lo.x) <= lo && Quad(std::nextafter(box.lo.x, inf)) > lo) << centre << ' ' << radius;
@@ -218,7 +223,8 @@ TEST(Spheres, MeetBoxesWhereTheirSurfaceDoes) {
     test::Random random(5);
     size_t met = 0, apart = 0, hollow = 0;
     for (int i = 0; i < 4000; ++i) {
-        const Primitive sphere = Primitive::sphere(random.inCube(-1, 1), static_cast<float>(std::pow(10.0, random.within(-3, 0))));
+        const Primitive sphere =
+            Primitive::sphere(random.inCube(-1, 1), static_cast<float>(std::pow(10.0, random.within(-3, 0))));
         const Box box = randomBox(random, std::pow(10.0, random.within(-2, 0)));
         const Box part = clippedBounds(sphere, box);
         const bool overlaps = PrimitiveBoxTest(sphere).overlaps(dvec3(box.lo), dvec3(box.hi));
@@ -234,12 +240,15 @@ TEST(Spheres, MeetBoxesWhereTheirSurfaceDoes) {
         for (int j = 0; j < 300; ++j) {
             // On the surface, and, every other time, near the box.
             dvec3 way = random.direction();
-            if (j % 2 == 0) way = glm::normalize(glm::mix(lo, hi, dvec3(random.unit(), random.unit(), random.unit())) - centre);
+            if (j % 2 == 0)
+                way = glm::normalize(glm::mix(lo, hi, dvec3(random.unit(), random.unit(), random.unit())) - centre);
             const dvec3 p = centre + radius * way;
             if (glm::any(glm::lessThan(p, lo + 1e-14)) || glm::any(glm::greaterThan(p, hi - 1e-14))) continue;
             ++met;
             ASSERT_TRUE(overlaps) << i;
-            ASSERT_TRUE(glm::all(glm::lessThanEqual(dvec3(part.lo), p + 1e-14)) && glm::all(glm::lessThanEqual(p - 1e-14, dvec3(part.hi)))) << i;
+            ASSERT_TRUE(glm::all(glm::lessThanEqual(dvec3(part.lo), p + 1e-14)) &&
+                        glm::all(glm::lessThanEqual(p - 1e-14, dvec3(part.hi))))
+                << i;
         }
     }
     EXPECT_GT(met, 1000u);
@@ -262,7 +271,8 @@ TEST(Spheres, AreReferredToByTheirSurface) {
 TEST(ReferenceSphere, CrossesWhereExactArithmeticDoes) {
     test::Random random(6);
     for (int i = 0; i < 100'000; ++i) {
-        const Primitive sphere = Primitive::sphere(random.inCube(-1, 1), static_cast<float>(std::pow(10.0, random.within(-6, 0))));
+        const Primitive sphere =
+            Primitive::sphere(random.inCube(-1, 1), static_cast<float>(std::pow(10.0, random.within(-6, 0))));
         const Ray ray = test::rayAtSphere(sphere, random);
         const Exact exact(ray, sphere);
         const reference::Ray wide{dvec3(ray.origin), dvec3(ray.direction)};
@@ -271,7 +281,8 @@ TEST(ReferenceSphere, CrossesWhereExactArithmeticDoes) {
         ASSERT_EQ(got.has_value(), rest >= 0) << test::describe(ray);
         if (!got) continue;
         const Quad root = rootOf(rest);
-        const double near = static_cast<double>((exact.b - root) / exact.a), far = static_cast<double>((exact.b + root) / exact.a);
+        const double near = static_cast<double>((exact.b - root) / exact.a),
+                     far = static_cast<double>((exact.b + root) / exact.a);
         const double allowed = 0x1p-30 * std::max(std::abs(near), std::abs(far));
         ASSERT_NEAR(got->near, near, allowed);
         ASSERT_NEAR(got->far, far, allowed);
