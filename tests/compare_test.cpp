@@ -183,6 +183,30 @@ TEST(CompareHits, SilhouettesAreTiesBothWays) {
     EXPECT_EQ(both.judge(both.down(-0x1p-18f, 0.25f), upper), HitClass::wrong);
 }
 
+TEST(CompareHits, SilhouettesOfSpheresAreTiesBothWays) {
+    Scene scene = floors(1);  // ids 2 and 3: the lower floor
+    scene.meshes[0].spheres = {{vec3(0.5f, 0.5f, 0.25f), 0.25f}};
+    scene.meshes[0].materials.push_back(0);
+    const Judge judge(scene);
+    constexpr uint32_t sphere = 4;
+    const auto at = [&](float offset) { return judge.down(0.75f + offset, 0.5f); };
+    ASSERT_EQ(judge.truth(judge.down(0.5f, 0.5f)).primitive, sphere);
+    ASSERT_EQ(judge.truth(at(-0x1p-21f)).primitive, sphere);
+    const Hit beside = judge.truth(at(0x1p-21f)), upon = judge.truth(at(-0x1p-21f));
+    ASSERT_LT(beside.primitive, 2u);
+    EXPECT_EQ(judge.judge(at(-0x1p-21f), beside), HitClass::tie);
+    EXPECT_EQ(judge.judge(at(0x1p-21f), upon), HitClass::tie);
+    EXPECT_EQ(judge.judge(at(-0x1p-17f), beside), HitClass::wrong);
+    EXPECT_EQ(judge.judge(at(0x1p-17f), upon), HitClass::wrong);
+    EXPECT_EQ(judge.judge(judge.down(0.5f, 0.5f), Judge::nothing), HitClass::missed);
+    Hit far = judge.truth(judge.down(0.5f, 0.5f));
+    EXPECT_EQ(far.t, 0.5f);
+    const HitComparison right = compareHits(judge.tree, std::vector{judge.down(0.5f, 0.5f)}, std::vector{far});
+    EXPECT_EQ(right.offset.max, 0.0);
+    far.t = 0.75f;  // the right sphere, and a wrong distance
+    EXPECT_GT(compareHits(judge.tree, std::vector{judge.down(0.5f, 0.5f)}, std::vector{far}).offset.max, 1e4);
+}
+
 TEST(CompareHits, DuplicatesAreTies) {
     Scene scene = floors(1);
     scene.instances.push_back(scene.instances[0]);

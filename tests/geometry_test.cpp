@@ -170,6 +170,51 @@ TEST(Geometry, IdsCountInstancesThenTriangles) {
     EXPECT_EQ(g.positions[g.triangles[2].x], vec3(5, 0, 0));
 }
 
+// Rotations that floats rounded scale evenly enough; what is squeezed or sheared by more does not.
+TEST(Geometry, SpheresArePlacedByTheirTransform) {
+    std::mt19937 random(8);
+    std::uniform_real_distribution<double> entry(-1.0, 1.0);
+    for (int i = 0; i < 1000; ++i) {
+        dvec4 q(entry(random), entry(random), entry(random), entry(random));
+        q = dvec4(vec4(q / glm::length(q)));  // in float
+        const glm::dmat3 rotation(
+            dvec3(1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y + q.w * q.z), 2 * (q.x * q.z - q.w * q.y)),
+            dvec3(2 * (q.x * q.y - q.w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z + q.w * q.x)),
+            dvec3(2 * (q.x * q.z + q.w * q.y), 2 * (q.y * q.z - q.w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)));
+        const double scale = std::pow(10.0, 8.0 * entry(random)) * (i % 2 == 0 ? 1.0 : -1.0);
+        dmat4 m(rotation);
+        for (int column = 0; column < 3; ++column) m[column] *= scale;
+        m[3] = dvec4(1, 2, 3, 1);
+        ASSERT_TRUE(uniformScale(m)) << i;
+        const Sphere placed = placeSphere(m, {vec3(0.0f), 0.75f});
+        EXPECT_EQ(placed.centre, vec3(1, 2, 3));
+        EXPECT_NEAR(placed.radius / std::abs(scale), 0.75, 1e-6);
+        EXPECT_FALSE(uniformScale(m * scaling({1.0, 1.0001, 1.0})));
+        dmat4 shear(1.0);
+        shear[1].x = 1e-4;
+        EXPECT_FALSE(uniformScale(m * shear));
+    }
+    EXPECT_EQ(uniformScale(dmat4(0.0)), 0.0);
+    EXPECT_FALSE(uniformScale(scaling({1, 1, 0})));
+    EXPECT_FALSE(uniformScale(scaling({nan, 1, 1})));
+}
+
+TEST(Geometry, SpheresThatCannotBeHitAreDroppedAndCounted) {
+    Mesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    mesh.spheres = {{vec3(1, 2, 3), 0.5f}, {vec3(0), 0.0f},     {vec3(0), -1.0f},
+                    {vec3(nan), 1.0f},     {vec3(0), infinity}, {vec3(1.8e18f), 1e17f}};
+    mesh.materials.assign(7, 0);
+    const Geometry g = flatten(sceneOf({mesh}, {{0, dmat4(1.0)}, {0, dmat4(scaling(dvec3(0.0)))}}));
+    EXPECT_EQ(g.triangles.size(), 14u);
+    EXPECT_EQ(g.spheres.size(), 12u);
+    EXPECT_EQ(g.triangleCount(), 2u);
+    EXPECT_EQ(g.place(9).primitive, 2u);
+    EXPECT_EQ(g.bounds.lo, vec3(0.0f));
+    EXPECT_EQ(g.bounds.hi, vec3(1.5f, 2.5f, 3.5f));
+    EXPECT_EQ(g.dropped.zeroArea, 2u + 1u + 4u);  // scaled to nothing: the triangle, and all but those that are no numbers
+    EXPECT_EQ(g.dropped.nonFinite, 3u + 2u);
+}
+
 TEST(Geometry, AttributesThatOneMeshLacksAreNeutralThere) {
     Mesh plain = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), rich = plain;
     plain.normals.clear();

@@ -71,9 +71,15 @@ protected:
     const fs::path folder_ = fs::path(testing::TempDir()) / ("structure_file_test." + std::to_string(::getpid()));
     const fs::path file_ = folder_ / "structure";
     const std::vector<Triangle> small_ = test::sphere(3, 1.0, dvec3(0.5, 2, 1), 0.1);
+    const std::vector<Primitive> spheres_ = {
+        small_[3], Primitive::sphere(vec3(0.5f, 2, 1), 0.5f),        Primitive::sphere(vec3(0.75f, 2.25f, 1), 0.125f),
+        small_[7], Primitive::sphere(vec3(-0.1f, 1.3f, 0.7f), 0.7f), Primitive::sphere(vec3(1), 1e-3f)};
 };
 
-class EveryStructureFile : public StructureFiles, public testing::WithParamInterface<Variant> {};
+class EveryStructureFile : public StructureFiles, public testing::WithParamInterface<Variant> {
+protected:
+    void expectRefusedOrGood(const std::vector<Primitive>& primitives);
+};
 
 std::vector<Hit> hitsOf(const Structure& structure, const std::vector<Ray>& rays) {
     std::vector<Hit> hits(rays.size());
@@ -109,18 +115,25 @@ TEST_P(EveryStructureFile, GivesBackWhatWasSaved) {
 // What was changed with intent has right checksums. Then it is refused, or it is as good as what was built: whatever value
 // of whatever byte, no walk over it leaves the arrays, hangs or misses.
 TEST_P(EveryStructureFile, IsRefusedOrGoodHoweverItWasForged) {
-    const Structure built = GetParam().build(small_);
-    const std::vector<Ray> rays = test::rays(small_, /* seed= */ 4, /* count= */ 300);
+    expectRefusedOrGood(small_);
+}
+TEST_P(EveryStructureFile, WithSpheresIsRefusedOrGoodHoweverItWasForged) {
+    expectRefusedOrGood(spheres_);
+}
+
+void EveryStructureFile::expectRefusedOrGood(const std::vector<Primitive>& primitives) {
+    const Structure built = GetParam().build(primitives);
+    const std::vector<Ray> rays = test::rays(primitives, /* seed= */ 4, /* count= */ 300);
     const std::vector<Hit> want = hitsOf(built, rays);
     size_t refused = 0, accepted = 0;
     const auto tryOut = [&](const Structure& forged, const std::string& what) {
-        saveStructure(file_, forged, {}, small_);
-        if (!refusal(small_).empty()) {
+        saveStructure(file_, forged, {}, primitives);
+        if (!refusal(primitives).empty()) {
             ++refused;
             return;
         }
         ++accepted;
-        EXPECT_TRUE(sameHits(hitsOf(StructureFile(file_).read(small_), rays), want)) << what;
+        EXPECT_TRUE(sameHits(hitsOf(StructureFile(file_).read(primitives), rays), want)) << what;
     };
     const auto forgeBytes = [&](auto bytesOf, const char* what) {
         Structure forged = built;
@@ -190,6 +203,9 @@ TEST_F(StructureFiles, AreRefusedOverAnotherScene) {
     EXPECT_NE(refusal(other).find("another scene"), std::string::npos) << refusal(other);
     other = small_;
     std::swap(other[0], other[1]);
+    EXPECT_NE(refusal(other).find("another scene"), std::string::npos);
+    other = small_;
+    other[5].kind = PrimitiveKind::sphere;
     EXPECT_NE(refusal(other).find("another scene"), std::string::npos);
     other = small_;
     other.pop_back();

@@ -102,6 +102,11 @@ std::vector<dvec3> pointsOf(const Primitive& primitive) {
     for (int i = 0; i <= steps; ++i)
         for (int j = 0; i + j <= steps && !primitive.isSphere(); ++j)
             points.push_back(a + (b - a) * (i / double{steps}) + (c - a) * (j / double{steps}));
+    for (int side = 0; side < 6 && primitive.isSphere(); ++side) {
+        dvec3 outermost = a;
+        outermost[side / 2] += side % 2 == 0 ? double{primitive.radius()} : -double{primitive.radius()};
+        points.push_back(outermost);
+    }
     // Along the spiral of equal areas [Saff, Kuijlaars 1997, "Distributing Many Points on a Sphere"].
     constexpr int around = 96;
     for (int i = 0; i < around && primitive.isSphere(); ++i) {
