@@ -69,6 +69,7 @@ float distanceOutside(WalkRay ray, float unit, float t) {
 // corners misplaces them against the ray by 11 u M along each axis (three roundings a corner of magnitudes up to 2 M, three of
 // the slope), the place in the triangle by 22 u M and the tolerance more, the distance by 4 u M, and a slab takes 6 u M (three
 // roundings). So boxes are widened by it: a ray that meets a triangle, as rounded, meets its box, as rounded, where it does.
+// And so with spheres, whose hits lie within 53 u M of their surfaces (sphere.glsl).
 WalkRay prepareRay(Ray ray, vec3 lo, vec3 hi, float unit) {
     WalkRay r;
     vec3 size = vec3(abs(ray.direction.x), abs(ray.direction.y), abs(ray.direction.z));

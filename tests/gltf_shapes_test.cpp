@@ -33,7 +33,8 @@ json sphereShape(double radius) {
 }
 
 bool hasRemark(const Scene& scene, const std::string& text) {
-    return std::ranges::any_of(scene.remarks, [&](const std::string& remark) { return remark.find(text) != std::string::npos; });
+    return std::ranges::any_of(scene.remarks,
+                               [&](const std::string& remark) { return remark.find(text) != std::string::npos; });
 }
 
 std::string refusal(const GltfAsset& asset) {
@@ -48,11 +49,13 @@ std::string refusal(const GltfAsset& asset) {
 }
 
 TEST(GltfShapes, SpheresFollowTheTrianglesOfTheirMesh) {
-    GltfAsset asset = assetOf(json::array({sphereShape(2.0), {{"type", "sphere"}}, {{"type", "sphere"}, {"sphere", json::object()}}, sphereShape(3)}));
+    GltfAsset asset = assetOf(json::array(
+        {sphereShape(2.0), {{"type", "sphere"}}, {{"type", "sphere"}, {"sphere", json::object()}}, sphereShape(3)}));
     asset.json["materials"] = json::array({json::object(), json::object()});
     json first = shapePrimitive(0), second = shapePrimitive(3);
     first["material"] = 1;
-    const json triangle = {{"attributes", {{"POSITION", asset.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3")}}}, {"material", 0}};
+    const json triangle = {{"attributes", {{"POSITION", asset.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3")}}},
+                           {"material", 0}};
     asset.mesh(first);
     asset.json["meshes"][0]["primitives"] = json::array({first, triangle, second, shapePrimitive(1), shapePrimitive(2)});
     asset.node({{"mesh", 0}, {"translation", {5, 6, 7}}, {"rotation", {0, 0.6, 0, 0.8}}, {"scale", {-2, 2, 2}}});
@@ -77,7 +80,8 @@ TEST(GltfShapes, SpheresFollowTheTrianglesOfTheirMesh) {
 }
 
 TEST(GltfShapes, OtherShapesAreLeftOutAndCounted) {
-    GltfAsset asset = assetOf(json::array({{{"type", "box"}, {"box", {{"size", {1, 2, 3}}}}}, {{"type", "capsule"}}, sphereShape(1.0)}));
+    GltfAsset asset =
+        assetOf(json::array({{{"type", "box"}, {"box", {{"size", {1, 2, 3}}}}}, {{"type", "capsule"}}, sphereShape(1.0)}));
     asset.mesh(shapePrimitive(0));
     asset.json["meshes"][0]["primitives"] = json::array({shapePrimitive(0), shapePrimitive(1), shapePrimitive(2)});
     asset.node({{"mesh", 0}});
@@ -141,16 +145,20 @@ TEST(GltfShapes, BadFilesAreRefusedByPointer) {
     const auto expectIn = [](const std::string& message, const std::string& part) {
         EXPECT_NE(message.find(part), std::string::npos) << message;
     };
-    expectIn(refusalOf(good, shapePrimitive(1)), "#/meshes/0/primitives/0/extensions/KHR_implicit_shapes/shape: names shape 1 of 1");
+    expectIn(refusalOf(good, shapePrimitive(1)),
+             "#/meshes/0/primitives/0/extensions/KHR_implicit_shapes/shape: names shape 1 of 1");
     expectIn(refusalOf(json::array(), use), "names shape 0 of 0");
     expectIn(refusalOf(good, {{"extensions", {{name, json::object()}}}}), "KHR_implicit_shapes/shape: is missing");
     expectIn(refusalOf(good, {{"extensions", {{name, {{"shape", -1}}}}}}), "KHR_implicit_shapes/shape: must be");
     expectIn(refusalOf(good, {{"extensions", {{name, {{"shape", "0"}}}}}}), "KHR_implicit_shapes/shape: must be");
     for (const double radius : {0.0, -1.0, 1e300, 1e-60})
-        expectIn(refusalOf(json::array({sphereShape(radius)}), use), "#/extensions/KHR_implicit_shapes/shapes/0/sphere/radius: is");
+        expectIn(refusalOf(json::array({sphereShape(radius)}), use),
+                 "#/extensions/KHR_implicit_shapes/shapes/0/sphere/radius: is");
     expectIn(refusalOf(json::array({{{"type", "sphere"}, {"sphere", {{"radius", "big"}}}}}), use), "sphere/radius: must be");
-    expectIn(refusalOf(json::array({{{"type", "sphere"}, {"sphere", {{"radius", {1, 2}}}}}}), use), "sphere/radius: must be");
-    expectIn(refusalOf(json::array({{{"sphere", {{"radius", 1}}}}}), use), "#/extensions/KHR_implicit_shapes/shapes/0/type: is missing");
+    expectIn(refusalOf(json::array({{{"type", "sphere"}, {"sphere", {{"radius", {1, 2}}}}}}), use),
+             "sphere/radius: must be");
+    expectIn(refusalOf(json::array({{{"sphere", {{"radius", 1}}}}}), use),
+             "#/extensions/KHR_implicit_shapes/shapes/0/type: is missing");
     expectIn(refusalOf(json::array({{{"type", 7}}}), use), "shapes/0/type: must be");
     expectIn(refusalOf(json::array({{{"type", "sphere"}, {"sphere", 7}}}), use), "shapes/0/sphere: must be");
     expectIn(refusalOf(json::array({7}), use), "shapes/0: must be");

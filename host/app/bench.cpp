@@ -117,7 +117,8 @@ int bench(const Options& options) {
         if (options.json)
             addJson(json, file.filename().string(), geometry.triangles.size(), deviceName, options, report);
         else
-            printReport(file.filename().string(), geometry.triangles.size(), report);
+            printReport(file.filename().string() + (geometry.spheres.empty() ? "" : " (spheres among them)"),
+                        geometry.triangles.size(), report);
     }
     if (options.json) std::printf("%s\n", json.dump(2).c_str());
     return static_cast<int>(ExitCode::done);

@@ -26,8 +26,9 @@ void describeScene(const Scene& scene, const Geometry& geometry) {
     if (scene.remarks.size() > shown) log::note("remark: and {} more of the kind", scene.remarks.size() - shown);
     const Dropped& dropped = geometry.dropped;
     if (dropped.nonFinite + dropped.zeroArea + dropped.other > 0)
-        log::note("dropped: {} triangles and spheres with a corner that is not finite or out of range, {} without area; {} others",
-                  dropped.nonFinite, dropped.zeroArea, dropped.other);
+        log::note(
+            "dropped: {} triangles and spheres with a corner that is not finite or out of range, {} without area; {} others",
+            dropped.nonFinite, dropped.zeroArea, dropped.other);
 }
 
 }  // namespace

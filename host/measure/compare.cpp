@@ -46,7 +46,8 @@ reference::Approach approachTo(const Geometry& geometry, const reference::Ray& r
 }
 
 double distanceTo(const Geometry& geometry, const dvec3& point, uint32_t id) {
-    if (geometry.isSphere(id)) return reference::distanceToSphere(point, geometry.sphere(id).centre, geometry.sphere(id).radius);
+    if (geometry.isSphere(id))
+        return reference::distanceToSphere(point, geometry.sphere(id).centre, geometry.sphere(id).radius);
     const Corners k = cornersOf(geometry, id);
     return reference::distanceToTriangle(point, k.a, k.b, k.c);
 }

@@ -57,8 +57,7 @@ std::vector<Ray> bounceRays(const reference::Tree& tree, std::span<const Ray> ra
             const dvec3 normal = glm::dot(place.outwards, dvec3(rays[i].direction)) < 0.0 ? place.outwards : -place.outwards;
             const dvec3 d = anyDirection(static_cast<uint32_t>(i));
             const double away = positionTolerance(geometry, rays[i], hit.primitive);
-            bounced[i] = {vec3(place.point + away * normal), 0.0f,
-                          vec3(glm::dot(d, normal) < 0.0 ? -d : d), farAway};
+            bounced[i] = {vec3(place.point + away * normal), 0.0f, vec3(glm::dot(d, normal) < 0.0 ? -d : d), farAway};
         }
     });
     std::erase_if(bounced, [](const Ray& ray) { return ray.tMin > ray.tMax; });
@@ -72,7 +71,8 @@ std::vector<Ray> aimedRays(const Geometry& geometry, const vec3& eye, size_t cou
         const auto id = static_cast<uint32_t>(reference::hash(i, 0xa1u) % geometry.triangles.size());
         if (geometry.isSphere(id)) {
             const Sphere& sphere = geometry.sphere(id);
-            if (isUsableSphere(sphere.centre, sphere.radius)) rays.push_back({eye, 0.0f, directionAt(sphere, eye, i), farAway});
+            if (isUsableSphere(sphere.centre, sphere.radius))
+                rays.push_back({eye, 0.0f, directionAt(sphere, eye, i), farAway});
             continue;
         }
         const uvec3 t = geometry.triangles[id];

@@ -13,12 +13,13 @@ struct Emitter {
     float cumulated = 0.0f;   ///< probability of this emitter or one before it; exactly 1 for the last
 };
 
-/// The usable triangles (no spheres) of emitting materials, in order of their ids, each picked with a probability proportional to its area
-/// times the luminance (0.2126 R + 0.7152 G + 0.0722 B) of its emission. Summed in double, rounded once.
-/// Empty if nothing emits. Cost O(triangles) where a material emits, else O(materials).
+/// The usable triangles (no spheres) of emitting materials, in order of their ids, each picked with a probability
+/// proportional to its area times the luminance (0.2126 R + 0.7152 G + 0.0722 B) of its emission. Summed in double, rounded
+/// once. Empty if nothing emits. Cost O(triangles) where a material emits, else O(materials).
 std::vector<Emitter> listEmitters(const Scene& scene, const Geometry& geometry);
 
-/// One byte a primitive: 1 where the surface lets light through, and so is no obstacle to shadow rays. Empty if there are none.
+/// One byte a primitive: 1 where the surface lets light through, and so is no obstacle to shadow rays. Empty if there are
+/// none.
 std::vector<uint8_t> findSeeThrough(const Scene& scene, const Geometry& geometry);
 
 }  // namespace raig

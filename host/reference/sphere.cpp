@@ -49,7 +49,8 @@ std::optional<SphereCrossing> crossSphere(const Ray& ray, const vec3& centre, fl
     const Quadratic<double> plain(ray, centre, radius);
     // Of both differences, b b - a c and c itself, little may cancel.
     const double rest = plain.discriminant(), squared = plain.c + 2.0 * double{radius} * radius;
-    const bool clear = std::abs(rest) > 0x1p-20 * (plain.b * plain.b + plain.a * squared) && std::abs(plain.c) > 0x1p-20 * squared;
+    const bool clear =
+        std::abs(rest) > 0x1p-20 * (plain.b * plain.b + plain.a * squared) && std::abs(plain.c) > 0x1p-20 * squared;
     return clear ? plain.crossing() : Quadratic<Quad>(ray, centre, radius).crossing();
 }
 

@@ -14,8 +14,8 @@ struct SphereCrossing {
 /// Where the line of `ray` crosses the sphere; nothing if it passes by. The ray's tMin and tMax play no part.
 ///
 /// Requires  isUsable(ray); radius > 0.
-/// Ensures   for floats: each distance errs by some 2^-30 of the larger of both at most, mostly 2^-50; whether there is a crossing is
-///           the answer of 113-bit arithmetic.
+/// Ensures   for floats: each distance errs by some 2^-30 of the larger of both at most, mostly 2^-50; whether there is a
+///           crossing is the answer of 113-bit arithmetic.
 /// Source    the quadratic equation of school.
 std::optional<SphereCrossing> crossSphere(const Ray& ray, const vec3& centre, float radius);
 

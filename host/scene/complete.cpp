@@ -14,7 +14,7 @@ namespace {
 
 /// What the standard camera looks at.
 struct Subject {
-    std::vector<vec3> points;  ///< the vertices that triangles name, and points of spheres, in the world, within reach of rays
+    std::vector<vec3> points;  ///< vertices that triangles name, and points of spheres, in the world, within reach of rays
     Box bounds;                ///< of the usable triangles and spheres
 };
 

@@ -112,7 +112,8 @@ Geometry::Place Geometry::place(uint32_t index) const {
 
 std::optional<double> uniformScale(const dmat4& toWorld) {
     const glm::dmat3 linear(toWorld);
-    const double squared = (glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2])) / 3.0;
+    const double squared =
+        (glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2])) / 3.0;
     if (!(squared > 0.0)) return 0.0;
     for (int i = 0; i < 3; ++i) {
         const double along = glm::dot(linear[i], linear[i]), across = glm::dot(linear[i], linear[(i + 1) % 3]);
@@ -140,8 +141,8 @@ Geometry flatten(const Scene& scene) {
         anyColors |= !mesh.colors.empty();
     }
     if (triangleCount > 0x7ffffffe || firstVertex.back() > 0xfffffffe)
-        throw limitError("the scene has {} triangles and spheres with its instances written out; at most {} can be traced", triangleCount,
-                         0x7ffffffe);
+        throw limitError("the scene has {} triangles and spheres with its instances written out; at most {} can be traced",
+                         triangleCount, 0x7ffffffe);
 
     Geometry geometry;
     geometry.positions.resize(firstVertex.back());

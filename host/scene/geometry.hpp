@@ -18,11 +18,11 @@ struct Geometry {
     std::vector<vec3> normals;          ///< unit, or zero where the mesh has none: use the face's own
     std::vector<vec2> uvs;
     std::vector<vec3> colors;
-    std::vector<uvec3> triangles;       ///< by global id; of a sphere (its index in `spheres`, noVertex, noVertex)
+    std::vector<uvec3> triangles;  ///< by global id; of a sphere (its index in `spheres`, noVertex, noVertex)
     std::vector<Sphere> spheres;
-    std::vector<uint32_t> materials;    ///< one a primitive
-    std::vector<uint32_t> firstTriangle;///< id of each instance's first primitive, and the total at the end
-    Box bounds;                         ///< of the usable primitives
+    std::vector<uint32_t> materials;      ///< one a primitive
+    std::vector<uint32_t> firstTriangle;  ///< id of each instance's first primitive, and the total at the end
+    Box bounds;                           ///< of the usable primitives
     Dropped dropped;
 
     static constexpr uint32_t noVertex = 0xffffffffu;

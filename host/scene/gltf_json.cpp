@@ -15,14 +15,15 @@ using Names = std::set<std::string_view>;
 constexpr int deepestNesting = 200;
 
 const Names supportedExtensions = {
-    "EXT_mesh_gpu_instancing", "KHR_implicit_shapes", "KHR_lights_punctual",        "KHR_materials_emissive_strength",
-    "KHR_materials_ior",       "KHR_materials_transmission", "KHR_materials_unlit",
-    "KHR_materials_volume",    "KHR_mesh_quantization",      "KHR_texture_transform"};
+    "EXT_mesh_gpu_instancing", "KHR_implicit_shapes",        "KHR_lights_punctual", "KHR_materials_emissive_strength",
+    "KHR_materials_ior",       "KHR_materials_transmission", "KHR_materials_unlit", "KHR_materials_volume",
+    "KHR_mesh_quantization",   "KHR_texture_transform"};
 
 /// Members that must be non-negative integers, wherever they hold no array or object.
-const Names integerMembers = {"buffer",  "bufferView", "byteLength", "byteOffset", "byteStride", "camera", "componentType",
-                              "count",   "index",      "indices",    "light",      "material",   "mesh",   "mode",
-                              "sampler", "scene",      "shape",      "skin",       "source",     "texCoord",   "wrapS",  "wrapT"};
+const Names integerMembers = {"buffer",        "bufferView", "byteLength", "byteOffset", "byteStride", "camera",
+                              "componentType", "count",      "index",      "indices",    "light",      "material",
+                              "mesh",          "mode",       "sampler",    "scene",      "shape",      "skin",
+                              "source",        "texCoord",   "wrapS",      "wrapT"};
 /// The ones among them that may exceed an int.
 const Names sizeMembers = {"byteLength", "byteOffset", "byteStride", "count"};
 /// Arrays whose elements, unless objects, must be non-negative integers.

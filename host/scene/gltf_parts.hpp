@@ -34,8 +34,9 @@ std::vector<Shape> readShapes(const Document& document);
 const Shape* shapeOf(const Document& document, const std::vector<Shape>& shapes, const tinygltf::Primitive& primitive,
                      const std::string& pointer);
 
-/// Appends every mesh, in the file's order. Primitives of one mesh are concatenated, all triangles before all spheres; those that share their attributes share
-/// their vertices. Throws limitError if more than 2^28 vertices or indices would have to be written out.
+/// Appends every mesh, in the file's order. Primitives of one mesh are concatenated, all triangles before all spheres; those
+/// that share their attributes share their vertices. Throws limitError if more than 2^28 vertices or indices would have to
+/// be written out.
 void addMeshes(const Document& document, const std::vector<UvSource>& uvSources, Scene& scene, Remarks& remarks);
 
 /// Appends an instance for each mesh, a camera for each camera and a light for each light among the default scene's nodes,

@@ -50,9 +50,9 @@ struct Sphere {
     float radius = 0.0f;
 };
 
-/// Triangles in file order, then spheres in file order: so a mesh's primitives are numbered. `normals`, `uvs` and `colors` are empty or have one entry a vertex.
-/// Every index is in range; normals are unit length or zero; no promise is made about positions and spheres
-/// (they may be NaN).
+/// Triangles in file order, then spheres in file order: so a mesh's primitives are numbered. `normals`, `uvs` and `colors`
+/// are empty or have one entry a vertex. Every index is in range; normals are unit length or zero; no promise is made about
+/// positions and spheres (they may be NaN).
 struct Mesh {
     std::string name;
     std::vector<vec3> positions;

@@ -30,9 +30,11 @@ void appendFaces(const Sphere& sphere, uint32_t material, Mesh& mesh, std::vecto
     const auto corner = [&](uint32_t ring, uint32_t column) { return first + ring * columns + column % columns; };
     for (uint32_t ring = 0; ring < rings; ++ring)
         for (uint32_t column = 0; column < columns; ++column) {
-            if (ring > 0) mesh.triangles.emplace_back(corner(ring, column), corner(ring + 1, column), corner(ring, column + 1));
+            if (ring > 0)
+                mesh.triangles.emplace_back(corner(ring, column), corner(ring + 1, column), corner(ring, column + 1));
             if (ring + 1 < rings)
-                mesh.triangles.emplace_back(corner(ring, column + 1), corner(ring + 1, column), corner(ring + 1, column + 1));
+                mesh.triangles.emplace_back(corner(ring, column + 1), corner(ring + 1, column),
+                                            corner(ring + 1, column + 1));
         }
     materials.resize(mesh.triangles.size(), material);
 }
@@ -41,7 +43,8 @@ Mesh withoutSpheres(const Mesh& source) {
     Mesh mesh = source;
     mesh.spheres.clear();
     mesh.normals.resize(mesh.positions.size(), vec3(0.0f));
-    std::vector<uint32_t> materials(source.materials.begin(), source.materials.begin() + static_cast<long>(source.triangles.size()));
+    std::vector<uint32_t> materials(source.materials.begin(),
+                                    source.materials.begin() + static_cast<long>(source.triangles.size()));
     for (size_t i = 0; i < source.spheres.size(); ++i)
         appendFaces(source.spheres[i], source.materials[source.triangles.size() + i], mesh, materials);
     mesh.materials = std::move(materials);

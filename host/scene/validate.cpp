@@ -135,9 +135,8 @@ std::optional<std::string> findFault(const Scene& scene) {
     if (const Fault f =
             firstFault("mesh", scene.meshes, [&](const Mesh& mesh) { return findMeshFault(mesh, scene.materials.size()); }))
         return f;
-    if (const Fault f = firstFault("instance", scene.instances, [&](const Instance& instance) {
-            return findInstanceFault(instance, scene.meshes);
-        }))
+    if (const Fault f = firstFault("instance", scene.instances,
+                                   [&](const Instance& instance) { return findInstanceFault(instance, scene.meshes); }))
         return f;
     if (const Fault f = firstFault("material", scene.materials, [&](const Material& material) {
             return findMaterialFault(material, scene.images.size());

@@ -4,7 +4,7 @@
 /// lies on its negative side is below it, the rest above; a triangle on both sides is referenced on both. One that sticks
 /// out of a side by no more than 14 * 2^-24 of the largest extent counts as within it, and one within that of the plane
 /// itself is on one side only, whichever is cheaper: the walk's slack covers both, so a triangle may lie in its own plane,
-/// or be one of a thousand that do.
+/// or be one of a thousand that do. A sphere is referenced on each side that it reaches: it is not cut.
 ///
 /// A node is one uvec4:
 ///     inner   x: nx, 21 bits, and the low 11 bits of nz; y: ny and the high 11 bits of nz, all in steps of 2^-20 from -1;

@@ -137,8 +137,11 @@ private:
         const double to = plane.to(centre), reach = radius * glm::length(plane.normal());
         const bool noBelow = (node.w & noBelowBit) != 0, noAbove = (node.w & noAboveBit) != 0;
         const uint32_t below = node.w & indexBits, above = noBelow ? below : below + 1;
-        const bool needsBelow = to - reach < -allowed * extent_, needsAbove = to + reach > allowed * extent_;
-        const auto isIn = [&](bool none, uint32_t child) { return !none && isSphereCovered(child, centre, radius, reference); };
+        const double tolerated = allowed * extent_;
+        const bool needsBelow = to - reach < -tolerated, needsAbove = to + reach > tolerated;
+        const auto isIn = [&](bool none, uint32_t child) {
+            return !none && isSphereCovered(child, centre, radius, reference);
+        };
         // In the plane, it may be on either side.
         if (!needsBelow && !needsAbove) return isIn(noBelow, below) || isIn(noAbove, above);
         return (!needsBelow || isIn(noBelow, below)) && (!needsAbove || isIn(noAbove, above));

@@ -54,7 +54,7 @@ struct NodeBounds {
 /// coordinates are as exact as they can be. It is rounded by less than the slack of the walk.
 vec3 fromCorner(const vec3& point, const StructureHeader& header) { return point - header.gridOrigin; }
 
-/// The corners of the triangles below each node in turn, and the spheres (three times), as seen from the scene's lower corner.
+/// The corners of the triangles below each node in turn, and its spheres (three times each), from the scene's lower corner.
 class Corners {
 public:
     Corners(const BinaryTree& tree, std::span<const Primitive> triangles, const StructureHeader& header) : tree_(tree) {

@@ -1,10 +1,11 @@
 /// Uniform grid, at one level or two, walked cell by cell.
 ///
 /// The scene's bounds are cut into about `--grid-density` cells a triangle, roughly cubic, at most 1023 along an axis. Every
-/// cell lists the triangles that overlap it (TriangleBoxTest), grown by a margin: so much may rounding misplace a hit for
-/// rays that start not too far away, and those from farther are walked in another way, slower (shaders/structures/grid.glsl,
-/// where the layout of nodes[] is described, too). At two levels cells are larger, and those with many triangles are divided
-/// once more, by a power of two along each axis: for scenes with small things in a large place.
+/// cell lists the triangles and spheres that overlap it (PrimitiveBoxTest), grown by a margin: so much may rounding misplace
+/// a hit for rays that start not too far away, and those from farther are walked in another way, slower
+/// (shaders/structures/grid.glsl, where the layout of nodes[] is described, too). At two levels cells are larger, and those
+/// with many triangles are divided once more, by a power of two along each axis: for scenes with small things in a large
+/// place.
 ///
 /// All planes are float numbers without rounding: gridOrigin and gridStep are multiples of a power of two q of which no
 /// coordinate is more than 2^23. So builder and walk mean the same planes.

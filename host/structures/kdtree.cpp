@@ -104,8 +104,7 @@ void buildOver(std::span<const Primitive> triangles, const std::vector<uint8_t>&
                Structure& structure) {
     const float unit = structure.header.unit;
     std::vector<Primitive> scaled(triangles.size());
-    for (size_t i = 0; i < triangles.size(); ++i)
-        scaled[i] = triangles[i].scaled(unit);
+    for (size_t i = 0; i < triangles.size(); ++i) scaled[i] = triangles[i].scaled(unit);
     std::vector<BoxReference> references = referencesOf(scaled, usable);
     const uint64_t count = references.size();
     const Box cell{structure.header.lo, structure.header.hi};

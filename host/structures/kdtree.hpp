@@ -1,8 +1,8 @@
 /// kd-tree: the lecture's BSP with axis-aligned planes, walked without a stack.
 ///
-/// An inner node cuts its cell by a plane; the halves are closed, so both hold the plane. Each triangle is referenced in
-/// every leaf whose cell holds a part of it; a part in a plane itself is in one of the two. Nodes in depth-first order:
-/// both children of node i have higher numbers. In `nodes`:
+/// An inner node cuts its cell by a plane; the halves are closed, so both hold the plane. Each triangle, and the surface of
+/// each sphere, is referenced in every leaf whose cell holds a part of it; a part in a plane itself is in one of the two.
+/// Nodes in depth-first order: both children of node i have higher numbers. In `nodes`:
 ///     0              (end of the nodes, end of the lists in words, 0, 0)
 ///     1, the root    (bits of the plane, axis, child below the plane, child above it); and so on for all inner nodes
 ///     after them     the lists of the leaves, four words to a uvec4: a triangle's place in `triangles`; the top bit ends a

@@ -1,8 +1,8 @@
 /// Octree: space cut into eight equal parts, again and again, where it helps; walked without a stack.
 ///
 /// The root is a cube of 2^22 steps a side; a cell at level l has 2^(22 - l). Its planes are those of the grid of steps, so
-/// that builder and walk agree on them to the bit. Each triangle is referenced in every leaf whose cell it overlaps or
-/// touches. In `nodes`:
+/// that builder and walk agree on them to the bit. Each triangle, and the surface of each sphere, is referenced in every
+/// leaf whose cell it overlaps or touches. In `nodes`:
 ///     0            (end of the records, end of the lists in words, 0, 0)
 ///     1, the root  a record; and so on for all cells with something in them: breadth before depth, children of one cell
 ///     next
@@ -12,8 +12,8 @@
 /// ones cost nothing. That of a leaf is (leafBit | place of its list in words from the beginning of `nodes`, ...): the next
 /// three words of the record itself if they suffice.
 ///
-/// Triangles are tested against cells by their separating axes [Akenine-Möller 2001]. The walk is
-/// shaders/structures/octree.glsl.
+/// Triangles are tested against cells by their separating axes [Akenine-Möller 2001], spheres by the distances of the cell's
+/// nearest and farthest points. The walk is shaders/structures/octree.glsl.
 #pragma once
 
 #include "structures/structure.hpp"

@@ -36,7 +36,8 @@ Box joined(Box a, const Box& b) {
 /// Everything in the unit space of structures.
 class SpatialBuilder {
 public:
-    SpatialBuilder(std::span<const Primitive> triangles, float unit, uint32_t maxLeaf, const SahCosts& costs, const Box& root)
+    SpatialBuilder(std::span<const Primitive> triangles, float unit, uint32_t maxLeaf, const SahCosts& costs,
+                   const Box& root)
         : triangles_(triangles), unit_(unit), maxLeaf_(maxLeaf), costs_(costs), rootArea_(root.halfArea()) {}
 
     Subtree build(std::vector<BoxReference> references, uint32_t depth, uint64_t budget) const {

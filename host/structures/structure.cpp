@@ -126,7 +126,8 @@ void writeReference(std::vector<uvec4>& references, size_t index, const Primitiv
 Primitive referencedPrimitive(const Structure& structure, uint64_t index) {
     const uvec4* texels = structure.triangles.data() + index * shared::TRIANGLE_STRIDE;
     const bool sphere = (texels[1].w & shared::TRIANGLE_SPHERE) != 0;
-    return {corner(texels[0]), corner(texels[1]), corner(texels[2]), sphere ? PrimitiveKind::sphere : PrimitiveKind::triangle};
+    return {corner(texels[0]), corner(texels[1]), corner(texels[2]),
+            sphere ? PrimitiveKind::sphere : PrimitiveKind::triangle};
 }
 
 uint32_t referencedId(const Structure& structure, uint64_t index) {

@@ -191,7 +191,8 @@ Structure StructureFile::read(std::span<const Primitive> triangles) {
     statistics.bytes = (structure.nodes.size() + structure.triangles.size()) * sizeof(uvec4);
     statistics.sahCost = header_.sahCost;
     statistics.seconds = header_.seconds;
-    for (size_t i = 0; i < structure.triangles.size(); i += shared::TRIANGLE_STRIDE) structure.triangles[i + 1].w &= shared::TRIANGLE_SPHERE;
+    for (size_t i = 0; i < structure.triangles.size(); i += shared::TRIANGLE_STRIDE)
+        structure.triangles[i + 1].w &= shared::TRIANGLE_SPHERE;
     return structure;
 }
 

@@ -42,7 +42,7 @@ PrimitiveBoxTest::Span PrimitiveBoxTest::spanAlong(const dvec3& axis) const {
 }
 
 bool PrimitiveBoxTest::separates(const dvec3& axis, const Span& span, const dvec3& centre, const dvec3& half,
-                                const dvec3& magnitude) const {
+                                 const dvec3& magnitude) const {
     const dvec3 size = glm::abs(axis);
     const double middle = glm::dot(axis, centre);
     const double reach = glm::dot(size, half) + slack * glm::dot(size, magnitude);

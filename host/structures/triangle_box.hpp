@@ -41,7 +41,7 @@ private:
     bool meetsSphere(const dvec3& lo, const dvec3& hi) const;
 
     bool isSphere_;
-    double radius_ = 0.0;         // then corners_[0] is the centre
+    double radius_ = 0.0;  // then corners_[0] is the centre
     std::array<dvec3, 3> corners_;
     dvec3 lo_, hi_;
     dvec3 magnitude_;             // the largest of the corners' along each axis

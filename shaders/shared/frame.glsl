@@ -104,8 +104,8 @@ CONSTANT uint FEATURE_EMITTERS = 128u;
 CONSTANT uint FEATURE_SPHERES = 256u;
 
 // The scene's data is an array of uvec4. A triangle is one element: its vertices and its material; and so is a sphere in its
-// place: where it is among the spheres, NO_VERTEX, NO_VERTEX, material. A sphere is one element: centre, radius. A vertex is `vertexStride`:
-// position and u; normal and v if there are normals or uvs; colour if there are colours. An emitter is one element: cumulated
+// place: where it is among the spheres, NO_VERTEX, NO_VERTEX, material. A sphere is one element: centre, radius. A vertex is
+// `vertexStride`: position and u; normal and v if there are normals or uvs; colour if there are colours. An emitter is one element: cumulated
 // probability, triangle, area, 0. Textures: one element each (first texel's element, width, height, wraps), then the texels,
 // four an element.
 CONSTANT uint MATERIAL_STRIDE = 5u;  // diffuse gloss | mirror ior | transmission flags | absorption texture | emission 0

@@ -15,7 +15,8 @@ struct Soup {
 };
 
 /// Ordinary soup, slivers, a flat wall, duplicates, overlaps, one triangle, none, all unusable, some unusable, far from the
-/// origin, tiny, huge, uneven ("teapot in a stadium"), a closed sphere, an axis-aligned room, tilted walls, pages of a book; then those of sphere_soups.hpp.
+/// origin, tiny, huge, uneven ("teapot in a stadium"), a closed sphere, an axis-aligned room, tilted walls, pages of a book;
+/// then those of sphere_soups.hpp.
 std::vector<Soup> soups();
 
 /// A closed triangle mesh of a bumpy sphere: `rings` x 2 `rings`, the vertices shared exactly.

@@ -51,15 +51,16 @@ std::vector<Primitive> withUnusable() {
     std::vector<Primitive> spheres = randomSpheres(23, 200);
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const vec3 p(0.5f, 0.25f, -0.5f);
-    const std::vector<Primitive> bad = {
-        Primitive::sphere(p, 0.0f),   Primitive::sphere(p, -0.5f),         Primitive::sphere(p, nan),
-        Primitive::sphere(p, inf),    Primitive::sphere(vec3(nan), 0.5f),  Primitive::sphere(vec3(0, inf, 0), 0.5f),
-        Primitive::sphere(p, 1.9e18f), Primitive::sphere(vec3(1.8e18f), 1e17f)};
+    const std::vector<Primitive> bad = {Primitive::sphere(p, 0.0f),         Primitive::sphere(p, -0.5f),
+                                        Primitive::sphere(p, nan),          Primitive::sphere(p, inf),
+                                        Primitive::sphere(vec3(nan), 0.5f), Primitive::sphere(vec3(0, inf, 0), 0.5f),
+                                        Primitive::sphere(p, 1.9e18f),      Primitive::sphere(vec3(1.8e18f), 1e17f)};
     for (size_t i = 0; i < bad.size(); ++i) spheres.insert(spheres.begin() + static_cast<long>(i * 20), bad[i]);
     return spheres;
 }
 
-/// Triangles of a mesh, spheres of all sizes in front of and in it, and one that is the ground; triangles and spheres in turn.
+/// Triangles of a mesh, spheres of all sizes in front of and in it, and one that is the ground; triangles and spheres in
+/// turn.
 std::vector<Primitive> mixed() {
     std::vector<Primitive> primitives;
     const std::vector<Triangle> mesh = sphere(10, 0.6, dvec3(0), 0.2);
@@ -77,7 +78,8 @@ std::vector<Primitive> dust() {
     Random random(25);
     std::vector<Primitive> spheres{Primitive::sphere(vec3(0), 0.75f)};
     for (int i = 0; i < 200; ++i)
-        spheres.push_back(Primitive::sphere(random.inCube(-1, 1), static_cast<float>(std::pow(10.0, random.within(-30, -6)))));
+        spheres.push_back(
+            Primitive::sphere(random.inCube(-1, 1), static_cast<float>(std::pow(10.0, random.within(-30, -6)))));
     spheres.push_back(Primitive::sphere(vec3(0), 1e-25f));
     return spheres;
 }

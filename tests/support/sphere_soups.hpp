@@ -6,8 +6,8 @@
 
 namespace raig::test {
 
-/// One sphere; many of all sizes; concentric ones 4e-5 apart; ones that touch; copies of one; with ones that cannot be hit; among
-/// triangles, on a ground that is a sphere; smaller than the last place of their centres; far, tiny, huge.
+/// One sphere; many of all sizes; concentric ones 4e-5 apart; ones that touch; copies of one; with ones that cannot be hit;
+/// among triangles, on a ground that is a sphere; smaller than the last place of their centres; far, tiny, huge.
 std::vector<Soup> sphereSoups();
 
 /// A point of the sphere's surface, rounded.
