@@ -46,7 +46,19 @@ TEST(FindFault, EachBrokenPromiseIsSeen) {
         {"mesh 0", [](Scene& s) { s.meshes[0].colors.pop_back(); }},
         {"mesh 0", [](Scene& s) { s.meshes[0].materials.clear(); }},
         {"mesh 0: triangle 0 names vertex 3 of 3", [](Scene& s) { s.meshes[0].triangles[0].y = 3; }},
-        {"mesh 0: triangle 0 names material 1 of 1", [](Scene& s) { s.meshes[0].materials[0] = 1; }},
+        {"mesh 0: primitive 0 names material 1 of 1", [](Scene& s) { s.meshes[0].materials[0] = 1; }},
+        {"mesh 0: 1 material indices for 2", [](Scene& s) { s.meshes[0].spheres.push_back({}); }},
+        {"mesh 0: primitive 1 names material 3 of 1",
+         [](Scene& s) {
+             s.meshes[0].spheres.push_back({});
+             s.meshes[0].materials.push_back(3);
+         }},
+        {"instance 0: toWorld makes no spheres of spheres",
+         [](Scene& s) {
+             s.meshes[0].spheres.push_back({});
+             s.meshes[0].materials.push_back(0);
+             s.instances[0].toWorld[0].x = 2.0;
+         }},
         {"mesh 0: normal 0", [](Scene& s) { s.meshes[0].normals[0].z = 1.1f; }},
         {"mesh 0: normal 0", [=](Scene& s) { s.meshes[0].normals[0].z = nan; }},
         {"mesh 0: uv 1", [=](Scene& s) { s.meshes[0].uvs[1].y = inf; }},

@@ -43,12 +43,12 @@ std::vector<Primitive> tangent(int side) {
     std::vector<Primitive> spheres;
     for (int x = 0; x < side; ++x)
         for (int y = 0; y < side; ++y)
-            for (int z = 0; z < side; ++z) spheres.push_back(Primitive::sphere(0.5f * vec3(x, y, z) - 1.0f, 0.25f));
+            for (int z = 0; z < side; ++z) spheres.push_back(Primitive::sphere(0.5f * vec3(x, y, z) - 0.75f, 0.25f));
     return spheres;
 }
 
 std::vector<Primitive> withUnusable() {
-    std::vector<Primitive> spheres = randomSpheres(23, 200);
+    std::vector<Primitive> spheres = randomSpheres(23, 160);
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const vec3 p(0.5f, 0.25f, -0.5f);
     const std::vector<Primitive> bad = {Primitive::sphere(p, 0.0f),         Primitive::sphere(p, -0.5f),
@@ -63,8 +63,8 @@ std::vector<Primitive> withUnusable() {
 /// turn.
 std::vector<Primitive> mixed() {
     std::vector<Primitive> primitives;
-    const std::vector<Triangle> mesh = sphere(10, 0.6, dvec3(0), 0.2);
-    const std::vector<Primitive> balls = randomSpheres(24, 200);
+    const std::vector<Triangle> mesh = sphere(8, 0.6, dvec3(0), 0.2);
+    const std::vector<Primitive> balls = randomSpheres(24, 120);
     for (size_t i = 0; i < std::max(mesh.size(), balls.size()); ++i) {
         if (i < mesh.size()) primitives.push_back(mesh[i]);
         if (i < balls.size()) primitives.push_back(balls[i]);
@@ -77,7 +77,7 @@ std::vector<Primitive> mixed() {
 std::vector<Primitive> dust() {
     Random random(25);
     std::vector<Primitive> spheres{Primitive::sphere(vec3(0), 0.75f)};
-    for (int i = 0; i < 200; ++i)
+    for (int i = 0; i < 100; ++i)
         spheres.push_back(
             Primitive::sphere(random.inCube(-1, 1), static_cast<float>(std::pow(10.0, random.within(-30, -6)))));
     spheres.push_back(Primitive::sphere(vec3(0), 1e-25f));
@@ -87,13 +87,13 @@ std::vector<Primitive> dust() {
 }  // namespace
 
 std::vector<Soup> sphereSoups() {
-    const std::vector<Primitive> ordinary = randomSpheres(20, 400);
+    const std::vector<Primitive> ordinary = randomSpheres(20, 300);
     const Primitive one = Primitive::sphere(vec3(0.1f, -0.2f, 0.3f), 0.7f);
     return {
         {"one sphere", {one}},
         {"spheres", ordinary},
-        {"nested spheres", nested(4, 25)},
-        {"tangent spheres", tangent(5)},
+        {"nested spheres", nested(3, 20)},
+        {"tangent spheres", tangent(4)},
         {"same spheres", std::vector<Primitive>(100, one)},
         {"unusable spheres", withUnusable()},
         {"spheres and triangles", mixed()},
