@@ -1,0 +1,26 @@
+// The hard cases by their number in the catalogue: every structure against brute force, by bits, and brute force against
+// exact arithmetic.
+#include "support/hard_cases.hpp"
+
+#include <gtest/gtest.h>
+
+namespace raig {
+namespace {
+
+class HardCase : public testing::TestWithParam<int> {};
+
+TEST_P(HardCase, BruteForceIsExact) {
+    test::expectBruteForceIsExact(test::hardCase(GetParam()));
+}
+
+TEST_P(HardCase, EveryStructureAnswersAsBruteForce) {
+    test::expectEveryStructureAnswersAsBruteForce(test::hardCase(GetParam()));
+}
+
+const auto byNumber = [](const auto& info) { return test::nameOfCase(info.param); };
+INSTANTIATE_TEST_SUITE_P(Boxes, HardCase, testing::ValuesIn(test::numbersOf(test::boxCases())), byNumber);
+INSTANTIATE_TEST_SUITE_P(Triangles, HardCase, testing::ValuesIn(test::numbersOf(test::triangleCases())), byNumber);
+INSTANTIATE_TEST_SUITE_P(Cells, HardCase, testing::ValuesIn(test::numbersOf(test::cellCases())), byNumber);
+
+}  // namespace
+}  // namespace raig

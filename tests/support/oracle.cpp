@@ -1,0 +1,290 @@
+#include "support/oracle.hpp"
+
+#include "support/soups.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+
+namespace raig::test {
+
+namespace {
+
+constexpr double u = 0x1p-24;
+constexpr double ofHit = 64.0;   // u M: how far along an axis a hit may lie from its triangle
+constexpr double ofEdge = 32.0;  // u M: how far off an edge rounding may decide on which side a ray passes it
+constexpr double farthestCorner = 1.844e18;
+
+bool isFinite(const vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+bool isWithin(const vec3& v, double limit) {
+    return isFinite(v) && std::abs(v.x) <= limit && std::abs(v.y) <= limit && std::abs(v.z) <= limit;
+}
+
+Exact magnitude(Exact value) {
+    return value < 0 ? -value : value;
+}
+
+/// The value, or 0 if it is so small a part of its terms that their roundings may have made it.
+Exact certain(Exact value, Exact terms) {
+    return magnitude(value) <= terms * Exact(0x1p-104) ? Exact(0) : value;
+}
+
+/// a . (b x c), and the sum of the magnitudes of its terms.
+template <class Vector>
+Exact tripleProduct(const Vector& a, const Vector& b, const Vector& c) {
+    const Exact terms[6] = {a.x * b.y * c.z,  -a.x * b.z * c.y, a.y * b.z * c.x,
+                            -a.y * b.x * c.z, a.z * b.x * c.y,  -a.z * b.y * c.x};
+    Exact sum = 0, size = 0;
+    for (const Exact term : terms) {
+        sum += term;
+        size += magnitude(term);
+    }
+    return certain(sum, size);
+}
+
+bool hasArea(const Triangle& t) {
+    const Exact ab[3] = {Exact(t.b.x) - t.a.x, Exact(t.b.y) - t.a.y, Exact(t.b.z) - t.a.z};
+    const Exact ac[3] = {Exact(t.c.x) - t.a.x, Exact(t.c.y) - t.a.y, Exact(t.c.z) - t.a.z};
+    return ab[1] * ac[2] != ab[2] * ac[1] || ab[2] * ac[0] != ab[0] * ac[2] || ab[0] * ac[1] != ab[1] * ac[0];
+}
+
+double smallestOf(double a, double b, double c) {
+    return std::min(a, std::min(b, c));
+}
+
+/// The distance of a point from a triangle. Source: Ericson 2005, "Real-Time Collision Detection", 5.1.5.
+double distanceTo(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
+    const auto toSegment = [&](const dvec3& from, const dvec3& to) {
+        const dvec3 along = to - from;
+        const double f = glm::dot(p - from, along) / glm::dot(along, along);
+        return glm::length(p - from - std::clamp(f, 0.0, 1.0) * along);
+    };
+    const dvec3 n = glm::cross(b - a, c - a);
+    const double edge = smallestOf(toSegment(a, b), toSegment(b, c), toSegment(c, a));
+    const bool inside = glm::dot(n, glm::cross(b - a, p - a)) >= 0.0 && glm::dot(n, glm::cross(c - b, p - b)) >= 0.0 &&
+                        glm::dot(n, glm::cross(a - c, p - c)) >= 0.0;
+    const double size = glm::length(n);
+    return inside && size > 0.0 ? std::min(edge, std::abs(glm::dot(p - a, n)) / size) : edge;
+}
+
+}  // namespace
+
+size_t Tally::of(Verdict verdict) const {
+    const auto found = counts.find(verdict);
+    return found == counts.end() ? 0 : found->second;
+}
+
+std::ostream& operator<<(std::ostream& out, const Tally& t) {
+    return out << fmt::format(
+               "{} rays, {} hits: {} the same, {} ties, {} open, {} missed, {} phantoms, {} wrong, {} unsound{}", t.rays,
+               t.hits, t.of(Verdict::same), t.of(Verdict::tie), t.open, t.of(Verdict::missed), t.of(Verdict::phantom),
+               t.of(Verdict::wrong), t.unsound, t.first.empty() ? "" : "; " + t.first);
+}
+
+Oracle::Oracle(std::span<const Triangle> triangles) : triangles_(triangles.begin(), triangles.end()) {
+    const auto before = [](const vec3& a, const vec3& b) {
+        return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
+    };
+    std::map<vec3, uint32_t, decltype(before)> numbers(before);
+    std::map<std::array<uint32_t, 2>, uint32_t> edges;
+    for (const Triangle& t : triangles_) {
+        const bool isFinite =
+            isWithin(t.a, farthestCorner) && isWithin(t.b, farthestCorner) && isWithin(t.c, farthestCorner);
+        usable_.push_back(isFinite && hasArea(t));
+        if (usable_.back() == 0) continue;
+        bounds_.grow(t.box());
+        std::array<uint32_t, 3> corners{};
+        const std::array<vec3, 3> places{t.a, t.b, t.c};
+        for (size_t i = 0; i < 3; ++i) {
+            const auto [at, isNew] = numbers.insert({places[i], static_cast<uint32_t>(corners_.size())});
+            if (isNew) corners_.push_back(places[i]);
+            corners[i] = at->second;
+        }
+        for (size_t i = 0; i < 3; ++i) {
+            const uint32_t from = corners[i], to = corners[(i + 1) % 3];
+            const std::array<uint32_t, 2> key{std::min(from, to), std::max(from, to)};
+            const auto [at, isNew] = edges.insert({key, static_cast<uint32_t>(edges_.size())});
+            if (isNew) edges_.push_back({key[0], key[1], {}});
+            edges_[at->second].across.push_back(corners[(i + 2) % 3]);
+        }
+    }
+}
+
+Oracle::Seen Oracle::seen(const Ray& ray) const {
+    Seen s{.ray = ray};
+    const vec3 d = ray.direction;
+    double largest = 0.0;
+    for (int axis = 0; axis < 3; ++axis)
+        if (std::abs(double{d[axis]}) > largest) {
+            largest = std::abs(double{d[axis]});
+            s.z = axis;
+        }
+    // Directions of denormals only are none: devices may take them for zeros.
+    s.valid = isWithin(ray.origin, farthestCorner) && isFinite(d) && largest >= 0x1p-126 && ray.tMax >= 0.0f &&
+              ray.tMin <= ray.tMax;
+    if (!s.valid) return s;
+    s.ray.tMin = std::max(ray.tMin, 0.0f);
+    s.scale = std::ldexp(1.0, -std::ilogb(largest));
+    for (int axis = 0; axis < 3; ++axis)
+        for (const float side : {bounds_.lo[axis], bounds_.hi[axis]})
+            s.unit = std::max(s.unit, u * std::abs(double{side} - double{ray.origin[axis]}));
+    return s;
+}
+
+/// False only if the ray certainly misses the triangle: in double precision, with the error of each edge function bounded by
+/// its terms. Products of three floats neither overflow nor underflow in doubles.
+bool Oracle::mayMeet(const Seen& s, const Triangle& t) const {
+    const dvec3 d(s.ray.direction), o(s.ray.origin);
+    const dvec3 a = dvec3(t.a) - o, b = dvec3(t.b) - o, c = dvec3(t.c) - o;
+    const auto size = [](const dvec3& v) { return std::max(std::abs(v.x), std::max(std::abs(v.y), std::abs(v.z))); };
+    const double most = std::max(size(a), std::max(size(b), size(c))) + size(o);
+    const double error = 0x1p-46 * size(d) * most * most;
+    const double edges[3] = {glm::dot(d, glm::cross(b, c)), glm::dot(d, glm::cross(c, a)), glm::dot(d, glm::cross(a, b))};
+    const bool below = edges[0] < -error || edges[1] < -error || edges[2] < -error;
+    const bool above = edges[0] > error || edges[1] > error || edges[2] > error;
+    return !(below && above);
+}
+
+Oracle::Meeting Oracle::meet(const Seen& s, const Triangle& t) const {
+    const auto from = [&](const vec3& corner) {
+        return Vector{Exact(corner.x) - Exact(s.ray.origin.x), Exact(corner.y) - Exact(s.ray.origin.y),
+                      Exact(corner.z) - Exact(s.ray.origin.z)};
+    };
+    const Vector a = from(t.a), b = from(t.b), c = from(t.c);
+    const Vector d{Exact(s.ray.direction.x), Exact(s.ray.direction.y), Exact(s.ray.direction.z)};
+    const Vector ab{b.x - a.x, b.y - a.y, b.z - a.z}, ac{c.x - a.x, c.y - a.y, c.z - a.z};
+    const Exact edgeA = tripleProduct(d, b, c), edgeB = tripleProduct(d, c, a), edgeC = tripleProduct(d, a, b);
+    const Exact all = tripleProduct(d, ab, ac);
+    Meeting m;
+    if (all == 0) return m;
+    const bool inside = all > 0 ? edgeA >= 0 && edgeB >= 0 && edgeC >= 0 : edgeA <= 0 && edgeB <= 0 && edgeC <= 0;
+    m.t = tripleProduct(a, ab, ac) / all;
+    m.u = edgeB / all;
+    m.v = edgeC / all;
+    const Exact n[3] = {ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z, ab.x * ac.y - ab.y * ac.x};
+    m.slope = double((magnitude(n[0]) + magnitude(n[1]) + magnitude(n[2])) / magnitude(all));
+    m.hits = inside;
+    return m;
+}
+
+uint32_t Oracle::best(const Seen& s, Meeting& nearest) const {
+    uint32_t found = NO_HIT;
+    if (!s.valid) return found;
+    for (uint32_t i = 0; i < triangles_.size(); ++i) {
+        if (usable_[i] == 0 || !mayMeet(s, triangles_[i])) continue;
+        const Meeting m = meet(s, triangles_[i]);
+        if (!m.hits || m.t < Exact(s.ray.tMin) || m.t > Exact(s.ray.tMax)) continue;
+        if (found != NO_HIT && m.t >= nearest.t) continue;
+        nearest = m;
+        found = i;
+    }
+    return found;
+}
+
+Hit Oracle::closest(const Ray& ray) const {
+    Meeting m;
+    const uint32_t found = best(seen(ray), m);
+    if (found == NO_HIT) return {std::numeric_limits<float>::infinity(), 0.0f, 0.0f, NO_HIT};
+    return {static_cast<float>(m.t), static_cast<float>(m.u), static_cast<float>(m.v), found};
+}
+
+/// The corner as seen along the ray: (x, y) off it, and the distance in z. Double precision is enough to tell 32 u M by.
+dvec3 Oracle::sheared(const Seen& s, const vec3& corner) const {
+    const dvec3 p = dvec3(corner) - dvec3(s.ray.origin), d(s.ray.direction);
+    const int x = (s.z + 1) % 3, y = (s.z + 2) % 3;
+    return {p[x] - d[x] / d[s.z] * p[s.z], p[y] - d[y] / d[s.z] * p[s.z], p[s.z] / d[s.z]};
+}
+
+bool Oracle::isOpen(const Seen& s) const {
+    if (!s.valid) return false;
+    Meeting nearest;
+    const uint32_t found = best(s, nearest);
+    const double rounding = ofHit * s.unit, along = rounding * s.scale;  // the same as a distance along the ray
+    const double end = found != NO_HIT ? double(nearest.t) + rounding * nearest.slope : double{s.ray.tMax} + along;
+    const double margin = ofEdge * s.unit;
+    std::vector<dvec3> places;
+    places.reserve(corners_.size());
+    for (const vec3& corner : corners_) places.push_back(sheared(s, corner));
+    const auto isNear = [&](const dvec3& a, const dvec3& b) {
+        if (std::min(a.z, b.z) > end || std::max(a.z, b.z) < s.ray.tMin - along) return false;
+        const dvec2 way(b.x - a.x, b.y - a.y), from(a);
+        const double square = glm::dot(way, way);
+        const double f = square > 0.0 ? std::clamp(-glm::dot(from, way) / square, 0.0, 1.0) : 0.0;
+        return glm::length(from + f * way) <= margin;
+    };
+    for (const Edge& edge : edges_) {
+        const dvec3 &a = places[edge.from], &b = places[edge.to];
+        if (!isNear(a, b)) continue;
+        const dvec2 way(b.x - a.x, b.y - a.y);
+        bool left = false, right = false;
+        for (const uint32_t third : edge.across) {
+            const dvec2 off(places[third].x - a.x, places[third].y - a.y);
+            const double side = (way.x * off.y - way.y * off.x) / std::max(glm::length(way), 1e-300);
+            left = left || side > margin;
+            right = right || side < -margin;
+        }
+        if (!left || !right) return true;
+    }
+    for (uint32_t i = 0; i < triangles_.size(); ++i) {
+        if (usable_[i] == 0 || !mayMeet(s, triangles_[i])) continue;
+        const Meeting m = meet(s, triangles_[i]);
+        const auto isAt = [&](float end) {
+            return std::isfinite(end) && std::abs(double(m.t - Exact(end))) <= rounding * m.slope;
+        };
+        if (m.hits && (isAt(s.ray.tMin) || isAt(s.ray.tMax))) return true;
+    }
+    return false;
+}
+
+bool Oracle::isOpen(const Ray& ray) const {
+    return isOpen(seen(ray));
+}
+
+Verdict Oracle::verdict(const Seen& s, const Hit& got, bool& sound) const {
+    Meeting exact;
+    const uint32_t want = best(s, exact);
+    sound = true;
+    if (got.primitive == NO_HIT) return want == NO_HIT ? Verdict::same : Verdict::missed;
+    if (got.primitive >= triangles_.size() || !s.valid || usable_[got.primitive] == 0 || !std::isfinite(got.t)) {
+        sound = false;
+        return Verdict::phantom;
+    }
+    const Triangle& t = triangles_[got.primitive];
+    const dvec3 o(s.ray.origin), point = double{got.t} * dvec3(s.ray.direction);
+    sound = distanceTo(point, dvec3(t.a) - o, dvec3(t.b) - o, dvec3(t.c) - o) <= std::sqrt(3.0) * ofHit * s.unit &&
+            got.u >= 0.0f && got.v >= 0.0f && got.u <= 1.0f && got.v <= 1.0f;
+    if (want == NO_HIT) return Verdict::phantom;
+    const double apart = std::abs(double(Exact(got.t) - exact.t)), rounding = ofHit * s.unit;
+    if (got.primitive == want) return apart <= rounding * exact.slope ? Verdict::same : Verdict::wrong;
+    return apart <= rounding * (exact.slope + meet(s, t).slope) ? Verdict::tie : Verdict::wrong;
+}
+
+Tally Oracle::judge(std::span<const Ray> rays, std::span<const Hit> hits, bool strict) const {
+    Tally tally;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        const Seen s = seen(rays[i]);
+        bool sound = true;
+        const Verdict got = verdict(s, hits[i], sound);
+        const bool open = !strict && isOpen(s);
+        const bool fails = !open && got != Verdict::same && got != Verdict::tie;
+        ++tally.rays;
+        tally.hits += got == Verdict::missed || (hits[i].primitive != NO_HIT && got != Verdict::phantom);
+        tally.open += open;
+        tally.unsound += !sound;
+        if (!open) ++tally.counts[got];
+        if ((fails || !sound) && tally.first.empty()) {
+            const Hit want = closest(rays[i]);
+            tally.first = fmt::format("ray {} {} finds {} at {:.9g} and should find {} at {:.9g}", i, describe(rays[i]),
+                                      static_cast<int32_t>(hits[i].primitive), hits[i].t,
+                                      static_cast<int32_t>(want.primitive), want.t);
+        }
+    }
+    return tally;
+}
+
+}  // namespace raig::test

@@ -1,0 +1,108 @@
+/// The hits of rays in exact arithmetic, edges inclusive: what the walks in single precision are judged by. Shares no code
+/// with them, nor with host/reference/.
+#pragma once
+
+#include "rays/types.hpp"
+#include "structures/structure.hpp"
+
+#include <array>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace raig::test {
+
+#ifdef __SIZEOF_FLOAT128__
+using Exact = __float128;
+#else
+using Exact = long double;
+#endif
+
+/// How a hit found in floats compares with the exact one (HARD_CASES.md, section 6.1).
+enum class Verdict { same, tie, missed, phantom, wrong };
+
+/// Verdicts of many rays. `open` rays have none, see Oracle.
+struct Tally {
+    std::map<Verdict, size_t> counts;
+    size_t rays = 0;
+    size_t hits = 0;     ///< in exact arithmetic
+    size_t open = 0;     ///< rays whose answer is rounding's to decide
+    size_t unsound = 0;  ///< hits found farther from their triangle than rounding explains
+    std::string first;   ///< the first ray whose verdict is missed, phantom or wrong, or whose hit is unsound
+
+    size_t of(Verdict verdict) const;
+    size_t failures() const { return of(Verdict::missed) + of(Verdict::phantom) + of(Verdict::wrong) + unsound; }
+};
+
+std::ostream& operator<<(std::ostream& out, const Tally& tally);
+
+/// Tries every triangle for each ray, in arithmetic of 113 bits or more. Differences of floats are exact there unless 89
+/// binary orders of magnitude apart; where roundings of the products leave a sign open, the value counts as zero, so as on
+/// the edge.
+///
+/// Rules     A triangle has its edges and corners. It is not hit by a ray in its plane, nor if a corner is not finite or
+///           lies beyond 1.844e18. Nothing is hit by a ray with a component that is not finite, without a direction, with
+///           tMin > tMax or tMax < 0. The nearest hit in [max(tMin, 0), tMax] counts; at equal distances, the lowest index.
+/// Tie       Let u = 2^-24, M the largest distance along an axis from the origin to the bounds, and the direction be scaled
+///           to a largest component of magnitude [1, 2). The walks' contract (shaders/intersect.glsl) is that the point at
+///           distance t is within 64 u M, along each axis, of the triangle that is hit: so t may differ from the exact one,
+///           in that scale, by 64 u M |n|_1 / |n . d|, n the normal. A hit of another triangle is a tie if the distance
+///           differs from the exact one by no more than that of both; one of the same triangle, and no more than that,
+///           is the same; and one that differs by more is wrong.
+/// Sound     Any hit must lie within sqrt(3) 64 u M of its triangle, whatever the ray.
+/// Open      A ray is open if, no farther than the exact hit, it passes an edge by less than 32 u M (11 u M by which corners
+///           may be misplaced, along each of two axes, and the roundings of the edge functions), and the triangles at this
+///           edge do not reach beyond that on both sides of it, as seen along the ray. Or if a hit's distance differs by
+///           less than its rounding from tMin or tMax. There, rounding may decide either way: such rays are counted, and
+///           judged only for soundness; or as all others, if `strict` is asked for.
+class Oracle {
+public:
+    explicit Oracle(std::span<const Triangle> triangles);
+
+    /// The exact hit: t, u and v rounded.
+    Hit closest(const Ray& ray) const;
+
+    bool isOpen(const Ray& ray) const;
+
+    /// Judges hits[i] of rays[i].
+    Tally judge(std::span<const Ray> rays, std::span<const Hit> hits, bool strict) const;
+
+private:
+    struct Vector {
+        Exact x, y, z;
+    };
+    struct Meeting {
+        bool hits = false;
+        Exact t = 0, u = 0, v = 0;
+        double slope = 0.0;  ///< |n|_1 / |n . d|
+    };
+    /// A ray, with what roundings of the walk are measured in.
+    struct Seen {
+        Ray ray;
+        bool valid = false;
+        double scale = 1.0;  ///< of the direction: times this, its largest component is in [1, 2)
+        double unit = 0.0;   ///< u M
+        int z = 0;           ///< the axis of the largest component
+    };
+    struct Edge {
+        uint32_t from, to;             ///< of corners_
+        std::vector<uint32_t> across;  ///< the third corners of its triangles
+    };
+
+    Seen seen(const Ray& ray) const;
+    bool mayMeet(const Seen& seen, const Triangle& triangle) const;
+    Meeting meet(const Seen& seen, const Triangle& triangle) const;
+    Verdict verdict(const Seen& seen, const Hit& got, bool& sound) const;
+    bool isOpen(const Seen& seen) const;
+    dvec3 sheared(const Seen& seen, const vec3& corner) const;
+    uint32_t best(const Seen& seen, Meeting& meeting) const;
+
+    std::vector<Triangle> triangles_;
+    std::vector<uint8_t> usable_;
+    Box bounds_;
+    std::vector<vec3> corners_;
+    std::vector<Edge> edges_;
+};
+
+}  // namespace raig::test
