@@ -116,6 +116,7 @@ Device::State::~State() {
     call.vkDeviceWaitIdle(handle);  // fails on a lost device, which may be taken down all the same
     transfers.reset();
     staging.reset();
+    pipelines.clear();
     vk::closeCache(*this);
     call.vkDestroyCommandPool(handle, commandPool, nullptr);
     call.vkDestroyDevice(handle, nullptr);

@@ -37,7 +37,7 @@ void checkLimits(const Kernel::State& kernel) {
             kernel.storageDescriptors, kernel.texelDescriptors);
 }
 
-void makeLayouts(Kernel::State& kernel) {
+void makeLayouts(const Kernel::State& kernel, vk::Pipeline& made) {
     const Device::State& device = *kernel.device;
     std::vector<VkDescriptorSetLayoutBinding> bindings;
     for (const auto& [number, binding] : kernel.interface.bindings)
@@ -46,18 +46,19 @@ void makeLayouts(Kernel::State& kernel) {
         vk::init<VkDescriptorSetLayoutCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
     set.bindingCount = static_cast<uint32_t>(bindings.size());
     set.pBindings = bindings.data();
-    vk::check(device.call.vkCreateDescriptorSetLayout(device.handle, &set, nullptr, &kernel.setLayout), "lay out a kernel");
+    vk::check(device.call.vkCreateDescriptorSetLayout(device.handle, &set, nullptr, &made.setLayout), "lay out a kernel");
 
     const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, kernel.interface.pushBytes};
     VkPipelineLayoutCreateInfo layout = vk::init<VkPipelineLayoutCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO);
     layout.setLayoutCount = 1;
-    layout.pSetLayouts = &kernel.setLayout;
+    layout.pSetLayouts = &made.setLayout;
     layout.pushConstantRangeCount = push.size > 0 ? 1 : 0;
     layout.pPushConstantRanges = &push;
-    vk::check(device.call.vkCreatePipelineLayout(device.handle, &layout, nullptr, &kernel.layout), "lay out a kernel");
+    vk::check(device.call.vkCreatePipelineLayout(device.handle, &layout, nullptr, &made.layout), "lay out a kernel");
 }
 
-void makePipeline(Kernel::State& kernel, std::span<const uint32_t> spirv, const Constants& constants) {
+void makePipeline(const Kernel::State& kernel, std::span<const uint32_t> spirv, const Constants& constants,
+                  vk::Pipeline& made) {
     Device::State& device = *kernel.device;
     std::vector<VkSpecializationMapEntry> entries;
     std::vector<uint32_t> values;
@@ -76,13 +77,25 @@ void makePipeline(Kernel::State& kernel, std::span<const uint32_t> spirv, const 
     create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     create.stage.pName = "main";
     create.stage.pSpecializationInfo = &special;
-    create.layout = kernel.layout;
+    create.layout = made.layout;
     vk::check(device.call.vkCreateShaderModule(device.handle, &code, nullptr, &create.stage.module), "load a kernel");
     const VkResult result =
-        device.call.vkCreateComputePipelines(device.handle, device.cache, 1, &create, nullptr, &kernel.pipeline);
+        device.call.vkCreateComputePipelines(device.handle, device.cache, 1, &create, nullptr, &made.handle);
     device.call.vkDestroyShaderModule(device.handle, create.stage.module, nullptr);
     vk::check(result, fmt::format("compile kernel {}", kernel.name).c_str());
     device.cacheGrew = true;
+}
+
+/// The device's, made unless it is there already.
+const vk::Pipeline& pipelineOf(const Kernel::State& kernel, std::span<const uint32_t> spirv, const Constants& constants) {
+    vk::PipelineKey key{kernel.name, constants, std::vector<uint32_t>(spirv.begin(), spirv.end())};
+    const auto found = kernel.device->pipelines.find(key);
+    if (found != kernel.device->pipelines.end()) return *found->second;
+    auto made = std::make_unique<vk::Pipeline>();
+    made->device = kernel.device;
+    makeLayouts(kernel, *made);
+    makePipeline(kernel, spirv, constants, *made);
+    return *kernel.device->pipelines.emplace(std::move(key), std::move(made)).first->second;
 }
 
 }  // namespace
@@ -96,16 +109,18 @@ Kernel::Kernel(Device& device, std::string_view name, std::span<const uint32_t> 
         (binding.kind == KernelBinding::Kind::texel ? state_->texelDescriptors : state_->storageDescriptors) +=
             binding.count;
     checkLimits(*state_);
-    makeLayouts(*state_);
-    makePipeline(*state_, spirv, constants);
+    const vk::Pipeline& pipeline = pipelineOf(*state_, spirv, constants);
+    state_->setLayout = pipeline.setLayout;
+    state_->layout = pipeline.layout;
+    state_->pipeline = pipeline.handle;
 }
 
 Kernel::~Kernel() = default;
 Kernel::Kernel(Kernel&&) noexcept = default;
 Kernel& Kernel::operator=(Kernel&&) noexcept = default;
 
-Kernel::State::~State() {
-    device->call.vkDestroyPipeline(device->handle, pipeline, nullptr);
+vk::Pipeline::~Pipeline() {
+    device->call.vkDestroyPipeline(device->handle, handle, nullptr);
     device->call.vkDestroyPipelineLayout(device->handle, layout, nullptr);
     device->call.vkDestroyDescriptorSetLayout(device->handle, setLayout, nullptr);
 }

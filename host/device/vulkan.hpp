@@ -7,6 +7,7 @@
 #include <volk.h>
 
 #include <filesystem>
+#include <tuple>
 
 namespace raig::vk {
 
@@ -59,6 +60,22 @@ struct BufferState {
 enum class Memory { device, staging };
 std::shared_ptr<BufferState> makeBuffer(Device::State& device, uint64_t bytes, VkBufferUsageFlags usage, Memory memory);
 
+/// A compiled kernel and its layouts.
+struct Pipeline {
+    Device::State* device = nullptr;
+    VkDescriptorSetLayout setLayout = VK_NULL_HANDLE;
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    VkPipeline handle = VK_NULL_HANDLE;
+
+    Pipeline() = default;
+    Pipeline(const Pipeline&) = delete;
+    Pipeline& operator=(const Pipeline&) = delete;
+    ~Pipeline();
+};
+
+/// What a pipeline is made from: the kernel's name, its specialization constants, its SPIR-V.
+using PipelineKey = std::tuple<std::string, Constants, std::vector<uint32_t>>;
+
 /// What the commands so far wrote is seen by those that follow, and by the host.
 void barrier(const VolkDeviceTable& call, VkCommandBuffer commands);
 void barrierToHost(const VolkDeviceTable& call, VkCommandBuffer commands);
@@ -106,6 +123,9 @@ struct Device::State {
     uint64_t cacheHash = 0;  ///< of what was read from the file
     bool cacheGrew = false;
 
+    /// Kernels made so far: the same one again costs nothing. Kept, as whoever traces much makes the same few again and again.
+    std::map<vk::PipelineKey, std::unique_ptr<vk::Pipeline>> pipelines;
+
     std::shared_ptr<vk::BufferState> staging;  ///< made when first needed
     std::unique_ptr<vk::Recorder> transfers;
 
@@ -120,14 +140,12 @@ struct Kernel::State {
     Device::State* device = nullptr;
     std::string name;
     KernelInterface interface;
-    VkDescriptorSetLayout setLayout = VK_NULL_HANDLE;
+    VkDescriptorSetLayout setLayout = VK_NULL_HANDLE;  ///< these three are the device's
     VkPipelineLayout layout = VK_NULL_HANDLE;
     VkPipeline pipeline = VK_NULL_HANDLE;
     uint32_t storageDescriptors = 0;
     uint32_t texelDescriptors = 0;
     std::map<uint32_t, Bound> bound;
-
-    ~State();
 };
 
 }  // namespace raig

@@ -1,0 +1,131 @@
+// Every structure, with every value of every option, on every device, over every soup and family of rays: the bits that
+// brute force has on the CPU.
+#include "rays/tracer.hpp"
+#include "support/devices.hpp"
+#include "support/soups.hpp"
+#include "support/variants.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+
+namespace raig {
+namespace {
+
+using test::Soup;
+using test::Variant;
+
+std::string describe(const Hit& h) {
+    return fmt::format("triangle {} t {:.9g} u {:.9g} v {:.9g}", static_cast<int32_t>(h.primitive), h.t, h.u, h.v);
+}
+
+std::vector<Hit> trace(Tracer& tracer, const std::vector<Ray>& rays, Query query) {
+    std::vector<Hit> hits(rays.size());
+    tracer.trace(rays, hits, query);
+    return hits;
+}
+
+/// Triangles, rays, and what these hit by brute force on the CPU.
+struct Task {
+    Soup soup;
+    std::vector<Ray> rays;
+    std::vector<Hit> want;
+};
+
+Task taskOf(const Soup& soup, std::vector<Ray> rays) {
+    const Structure brute = structureType("brute").build(soup.triangles, {});
+    std::vector<Hit> want = trace(*makeCpuTracer(brute), rays, Query::closest);
+    const auto hits = std::count_if(want.begin(), want.end(), [](const Hit& hit) { return hit.primitive != NO_HIT; });
+    EXPECT_TRUE(soup.triangles.size() <= 2 || static_cast<size_t>(hits) > rays.size() / 50)
+        << soup.name << ": the rays test nothing";
+    return {soup, std::move(rays), std::move(want)};
+}
+
+/// Expects the bits of brute force, and any hit exactly where there is a closest one.
+void expectAsBruteForce(const Task& task, const Variant& variant, Tracer& tracer) {
+    const std::vector<Hit> got = trace(tracer, task.rays, Query::closest), any = trace(tracer, task.rays, Query::any);
+    for (size_t i = 0; i < task.rays.size(); ++i) {
+        ASSERT_EQ(std::memcmp(&got[i], &task.want[i], sizeof(Hit)), 0)
+            << variant << ", " << task.soup.name << " ray " << i << ' ' << test::describe(task.rays[i]) << "\n got "
+            << describe(got[i]) << "\nwant " << describe(task.want[i]);
+        ASSERT_EQ(any[i].primitive == NO_HIT, got[i].primitive == NO_HIT)
+            << variant << ", " << task.soup.name << ' ' << test::describe(task.rays[i]);
+    }
+}
+
+class EverySoup : public testing::TestWithParam<Soup> {};
+
+// On the CPU: some 100,000 rays a structure, a million in a long run.
+TEST_P(EverySoup, IsHitAsByBruteForceWithEveryVariant) {
+    const Task task = taskOf(GetParam(), test::rays(GetParam().triangles, /* seed= */ 7, test::isLong() ? 60'000 : 2400));
+    for (const Variant& variant : test::allVariants()) {
+        const Structure structure = variant.build(task.soup.triangles);
+        expectAsBruteForce(task, variant, *makeCpuTracer(structure));
+    }
+}
+
+std::string soupName(const testing::TestParamInfo<Soup>& soup) {
+    std::string name = soup.param.name;
+    std::replace(name.begin(), name.end(), ' ', '_');
+    return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(, EverySoup, testing::ValuesIn(test::soups()), soupName);
+
+/// The soups of about the same size in one place each, four in a row, with the rays of all of them.
+Task allInOne(size_t raysEach) {
+    Soup all{"all in one", {}};
+    std::vector<Ray> rays;
+    float place = 0.0f;
+    for (const Soup& soup : test::soups()) {
+        Box box;
+        for (const Triangle& t : soup.triangles)
+            if (t.usable()) box.grow(t.box());
+        const float size = box.empty() ? 0.0f : glm::length(box.extent());
+        if (size < 0.1f || size > 10.0f || glm::length(box.centre()) > 10.0f) continue;
+        // Whole numbers: so what lies on fractions of two still does.
+        const vec3 offset(8.0f * std::fmod(place, 4.0f), 8.0f * std::floor(place / 4.0f), 16.0f);
+        place += 1.0f;
+        for (Triangle t : soup.triangles) {
+            for (vec3* corner : {&t.a, &t.b, &t.c}) *corner += offset;
+            all.triangles.push_back(t);
+        }
+        for (Ray ray : test::rays(soup.triangles, /* seed= */ 9, raysEach)) {
+            ray.origin += offset;
+            rays.push_back(ray);
+        }
+    }
+    EXPECT_GE(place, 10.0f);
+    return taskOf(all, std::move(rays));
+}
+
+class EveryDevice : public OnEveryDevice {};
+
+// A short run has one scene of all soups for every variant, and one more soup, another each time, so that it is done in
+// seconds; on SwiftShader, that takes long over every ray, fewer rays. A long run has all soups, and a million rays a
+// structure.
+TEST_P(EveryDevice, WalksEveryVariantAsBruteForceDoes) {
+    Device device(info);
+    const bool slow = GetParam() == "SwiftShader" && !test::isLong();
+    std::vector<Task> soups;
+    for (const Soup& soup : test::soups())
+        soups.push_back(taskOf(soup, test::rays(soup.triangles, /* seed= */ 9, test::isLong() ? 30'000 : slow ? 100 : 500)));
+    const Task all = allInOne(test::isLong() ? 10'000 : slow ? 50 : 250);
+    const auto check = [&](const Task& task, const Variant& variant) {
+        const Structure structure = variant.build(task.soup.triangles);
+        expectAsBruteForce(task, variant, *makeDeviceTracer(device, structure));
+    };
+    size_t turn = 0;
+    for (const Variant& variant : test::allVariants()) {
+        check(all, variant);
+        for (size_t i = 0; i < soups.size(); ++i)
+            if (test::isLong() || i == turn % soups.size()) check(soups[i], variant);
+        ++turn;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(, EveryDevice, testing::ValuesIn(devicesToTest()), testName);
+
+}  // namespace
+}  // namespace raig
