@@ -10,7 +10,8 @@ namespace raig {
 namespace cpu_walks {
 #define RAIG_STRUCTURE(name)                                                                                   \
     void name(const Structure& structure, WalkOptions options, std::span<const Ray> rays, std::span<Hit> hits, \
-              WalkCounters& counters);
+              WalkCounters& counters);                                                                         \
+    uint64_t name##MostSteps(const Structure& structure);
 #include "structures/registry.def"
 #undef RAIG_STRUCTURE
 }  // namespace cpu_walks
@@ -23,6 +24,20 @@ CpuWalk cpuWalk(std::string_view structure) {
     RAIG_CHECK(false && "a structure of registry.def");
     return nullptr;
 }
+
+uint64_t mostStepsOf(const Structure& structure) {
+    const std::string_view kind = structure.name;
+#define RAIG_STRUCTURE(name) \
+    if (kind == #name) return cpu_walks::name##MostSteps(structure);
+#include "structures/registry.def"
+#undef RAIG_STRUCTURE
+    RAIG_CHECK(false && "a structure of registry.def");
+    return 0;
+}
+
+CorruptStructure::CorruptStructure(const Structure& structure)
+    : std::logic_error(fmt::format("the {} structure is corrupt: a walk through it does not end within {} steps", structure.name,
+                                   mostStepsOf(structure))) {}
 
 namespace {
 

@@ -2,6 +2,7 @@
 #include "device/buffer.hpp"
 #include "device/commands.hpp"
 #include "device/kernel.hpp"
+#include "rays/cpu_walk.hpp"
 #include "rays/kernels.hpp"
 #include "rays/tracer.hpp"
 
@@ -98,6 +99,8 @@ public:
         : device_(device),
           name_("trace_" + structure.name + (device.loadsTexel() ? "_texel" : "_storage")),
           walk_(structure.header.walk),
+          mostSteps_(mostStepsOf(structure)),
+          corrupt_(structure),
           counting_(counting),
           paired_(device.loadsTexel()),
           spheres_(structure.hasSpheres()),
@@ -173,10 +176,13 @@ private:
         makePauses(push.count);
         bind(beginning.kernel, rays, hits);
         uint32_t unfinished = dispatch(beginning, push, report);
-        while (unfinished > 0) {
+        for (uint64_t steps = push.maxSteps; unfinished > 0;) {
+            if (steps > mostSteps_) throw corrupt_;
             std::swap(paused_, unfinished_);
             bind(resuming.kernel, rays, hits);
-            unfinished = dispatch(resuming, {0, unfinished, resuming.size.steps(unfinished)}, report);
+            const uint32_t more = resuming.size.steps(unfinished);
+            unfinished = dispatch(resuming, {0, unfinished, more}, report);
+            steps += more;
         }
     }
 
@@ -245,6 +251,8 @@ private:
     Device& device_;
     std::string name_;
     uint32_t walk_;
+    uint64_t mostSteps_;         // of a walk; one that makes more goes around
+    CorruptStructure corrupt_;
     bool counting_;
     bool paired_;  // two rays an invocation: llvmpipe computes one while it waits for the other
     bool spheres_;

@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <span>
+#include <stdexcept>
 
 namespace raig {
 
@@ -26,13 +27,20 @@ struct TraceReport {
     WalkCounters counters;
 };
 
+/// Thrown where a walk goes on for longer than any of a sound structure does: links lead it around. What findFault() finds
+/// no fault with is sound; this is for what became of it in memory later: a bug, so it is no Error.
+class CorruptStructure : public std::logic_error {
+public:
+    explicit CorruptStructure(const Structure& structure);
+};
+
 /// Traces rays against one structure. Not for use by two threads at once.
 class Tracer {
 public:
     virtual ~Tracer() = default;
 
     /// hits[i] = what rays[i] meets. closest: the nearest, ties to the lowest id. any: the first the walk meets, which is a
-    /// hit exactly where closest has one. Requires hits.size() == rays.size().
+    /// hit exactly where closest has one. Requires hits.size() == rays.size(). Throws CorruptStructure.
     virtual TraceReport trace(std::span<const Ray> rays, std::span<Hit> hits, Query query) = 0;
 
     /// As trace, any: but triangles marked as letting light through (Structure::markSeeThrough) are no hits.

@@ -11,4 +11,7 @@ void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
     }
 }
 
+// One a triangle.
+float mostSteps() { return float(int(header.triangleCount)) + 1.0f; }
+
 bool isDone(uvec4 at) { return at.x >= header.triangleCount; }

@@ -95,7 +95,7 @@ void restartBsp(BspRay b, INOUT(BspPlace) place) {
 }
 
 // To the deepest side that waits; or to the end, if there is none or what was hit is nearer. Each call makes the trail larger,
-// as a number, and takes one of the tree's sides: so a walk makes no more of them than there are nodes, or ends.
+// as a number, and takes one of the tree's sides: so a walk makes no more of them than there are nodes.
 void leaveCell(BspRay b, float tMax, INOUT(BspPlace) place, INOUT(uvec4) at) {
     bool low = place.waitsLow != 0u;
     uint waits = low ? place.waitsLow : place.waitsHigh;
@@ -103,7 +103,7 @@ void leaveCell(BspRay b, float tMax, INOUT(BspPlace) place, INOUT(uvec4) at) {
     at.x = low ? at.x : (at.x | level) & ~(level - 1u);
     at.y = low ? (at.y | level) & ~(level - 1u) : 0u;
     at.z = 0u;
-    at.w = waits == 0u || tMax < place.waitsFrom || at.w >= header.nodeCount ? BSP_DONE : at.w + 1u;
+    at.w = waits == 0u || tMax < place.waitsFrom ? BSP_DONE : at.w + 1u;
     place.waitsLow = low ? waits & ~level : 0u;
     place.waitsHigh = low ? place.waitsHigh : waits & ~level;
     place.levelHigh = low ? 0u : level >> 1;
@@ -150,7 +150,8 @@ void descend(WalkRay ray, BspRay b, float tMax, uvec4 node, INOUT(BspPlace) plac
     bool goesFar = entersFar && (!entersNear || takenUp);
         uint below = node.w & BSP_INDEX;
     uint above = noBelow || noAbove ? below : below + 1u;
-    // Children come after their parents, so every way down ends.
+    // Children come after their parents, so every way down ends. Where they do not, the walk stays here and does not end, which
+    // whoever makes it notices after mostSteps().
     bool sound = below > place.node && above < header.nodeCount;
     bool waits = entersNear && entersFar && !takenUp && enterFar <= tMax && sound;
     uint nearChild = rises ? below : above;
@@ -171,8 +172,8 @@ void descend(WalkRay ray, BspRay b, float tMax, uvec4 node, INOUT(BspPlace) plac
     place.leave = goesFar ? place.leave : leaveNear;
     place.levelLow = (place.levelLow >> 1) | (place.levelHigh << 31);
     place.levelHigh = place.levelHigh >> 1;
-    place.node = child;
-    if (!sound || !(entersNear || entersFar)) leaveCell(b, tMax, place, at);
+    place.node = sound ? child : place.node;
+    if (!(entersNear || entersFar)) leaveCell(b, tMax, place, at);
 }
 
 // One node: an inner one is left for a child, and a leaf is held until its references are tested. at.z of them are already
@@ -193,10 +194,9 @@ void stepBsp(WalkRay ray, BspRay b, float tMax, INOUT(BspPlace) place, INOUT(uve
         place.leaf = node;
         place.tested = goesOn ? (at.z - 2u) % 3u : (place.inChain ? place.tested : at.z);
         uint next = node.z + (at.z - 2u) / 3u;
-        place.inChain = place.inChain || goesOn;
-        bool bad = goesOn && (next <= place.node || next >= header.nodeCount);
-        place.node = goesOn ? next : place.node;
-        if (bad) leaveCell(b, tMax, place, at);
+        bool sound = next > place.node && next < header.nodeCount;
+        place.inChain = place.inChain || (goesOn && sound);
+        place.node = goesOn && sound ? next : place.node;
     }
 }
 
@@ -210,8 +210,9 @@ void testLeaf(WalkRay ray, BspRay b, INOUT(BspPlace) place, INOUT(uvec4) at, INO
     ++at.z;
     if (place.tested >= (leaf.w & 3u)) {
         uint next = (leaf.w & BSP_LINKED) != 0u ? leaf.z : place.node + 1u;
-        bool goesOn = (leaf.w & BSP_MORE) != 0u && next > place.node && next < header.nodeCount;
-        place.node = next;
+        bool goesOn = (leaf.w & BSP_MORE) != 0u;
+        bool sound = next > place.node && next < header.nodeCount;
+        place.node = goesOn && !sound ? place.node : next;
         place.tested = 0u;
         place.inChain = true;
         place.holdsLeaf = false;
@@ -239,5 +240,8 @@ void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
         testLeaf(ray, b, place, at, best);
     }
 }
+
+// No more sides than nodes, 64 levels down by three each time, and one step a reference: three a node.
+float mostSteps() { return 26.0f * float(int(header.nodeCount)) + 64.0f; }
 
 bool isDone(uvec4 at) { return at.w == BSP_DONE; }

@@ -230,5 +230,8 @@ void walkPair(WalkRay rayA, WalkRay rayB, INOUT(uvec4) atA, INOUT(uvec4) atB, ui
     }
 }
 
+// A step passes a node or tests a triangle; 24 times as many, for walks that come to a node again.
+float mostSteps() { return 24.0f * float(int(header.nodeCount)) + float(int(header.triangleCount)) + 64.0f; }
+
 bool isDone(uvec4 at) { return at.x >= header.nodeCount; }
 uvec4 endOfWalk() { return uvec4(header.nodeCount, 0u, 0u, 0u); }

@@ -22,8 +22,9 @@
 //
 // Requires  nodes[] and triangles[] as built by host/structures/grid.cpp for header.walk: how many levels, less one.
 // Ensures   as every walk (shaders/trace.glsl).
-// Cost      Near: a walk meets at most one cell more than it passes planes. Links of a damaged structure cannot make it loop:
-//           indices of cells only move on, and lists end where all lists do.
+// Cost      Near: a walk meets at most one cell more than it passes planes. Links of a damaged structure cannot make it loop, as
+//           indices of cells only move on; a list that runs on beyond the last does not end, which whoever makes the walk notices
+//           after mostSteps().
 // Source    Amanatides, Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing", without its sums; two levels: Kalojanov,
 //           Billeter, Slusallek 2011, "Two-Level Grids for Ray Tracing on GPUs".
 
@@ -193,7 +194,7 @@ void stepDivision(WalkRay ray, GridRay grid, float tMax, INOUT(Division) d) {
 // Tests reference `list` - 1, goes on to the next one of its list or, after the last, to 0, and says if it was hit.
 bool stepList(WalkRay ray, GridRay grid, INOUT(uint) list, INOUT(Hit) best) {
     uint place = list - 1u;
-    uint word = place < grid.listWords ? wordAt((grid.lists << 2) + place) : LAST;
+    uint word = place < grid.listWords ? wordAt((grid.lists << 2) + place) : 0u;
     list = (word & LAST) != 0u ? 0u : list + 1u;
     return testTriangle(ray, min(word & ~LAST, header.triangleCount - 1u), best);
 }
@@ -287,6 +288,14 @@ void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
     if (!grid.isFar) at = d.done ? uvec4(0u, DONE, 0u, 0u) : uvec4(d.first.x | (d.first.y << 16), state, d.list, d.crowd);
 
     for (uint step = 0u; grid.isFar && at.y < DONE && step < maxSteps; ++step) stepFar(ray, grid, at, best);
+}
+
+// Far off, each cell is met once, and then every triangle; each list is gone through once a cell and part that has it. Twice, as
+// slices may be empty.
+float mostSteps() {
+    uvec4 lists = nodes_at(1u);
+    float words = 4.0f * float(int(lists.x)) + float(int(lists.y));
+    return 2.0f * words + 2.0f * float(int(header.triangleCount)) + 4096.0f;
 }
 
 bool isDone(uvec4 at) { return at.y == DONE; }

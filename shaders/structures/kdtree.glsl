@@ -14,7 +14,8 @@
 // Cost      no stack: a trail of one bit a level tells where the second half was taken, and the walk begins again from the
 //           last node above which nothing is due. WALK_SHORT_STACK has the last two halves that are due in registers and seldom
 //           does. Each beginning sets a bit of the trail and clears lower ones, so it only grows; node numbers grow on the way
-//           down, places grow in a list, and there are no more beginnings than nodes: whatever the links, the walk ends.
+//           down, places grow in a list, and there are no more beginnings than nodes. A link that leads backwards or out leads
+//           nowhere: such a walk does not end, and whoever makes it notices after mostSteps().
 // Source    Laine 2010, "Restart Trail for Stackless BVH Traversal"; Foley, Sugerman 2005, "KD-Tree Acceleration Structures for
 //           a GPU Raytracer"; Horn et al. 2007, "Interactive k-D Tree GPU Raytracing" (short stack, push-down). Neighbour
 //           links [Popov et al. 2007] would need to follow several cells at once where the slack reaches into them.
@@ -24,6 +25,7 @@ CONSTANT uint EMPTY = 0xffffffffu;
 CONSTANT uint LAST = 0x80000000u;
 CONSTANT uint DONE = 0xffffffffu;
 CONSTANT uint ROOT = 1u;
+CONSTANT uint NOWHERE = 0u;  // holds the sizes; as a node, it leads to itself: a walk that gets there does not end
 CONSTANT uint MAX_LEVELS = 64u;
 CONSTANT float INFINITE = 3.4028234e38f;
 
@@ -92,7 +94,7 @@ void stepDown(WalkRay ray, uvec2 trail, INOUT(Descent) s) {
     bool isNode = next < LEAF;
     bool isUnsound = next - s.here.node - 1u >= s.end - s.here.node - 1u;
     bool isBroken = isNode && isUnsound;
-    next = either(isBroken, EMPTY, next);
+    next = either(isBroken, NOWHERE, next);
     float enter = maxOf(s.here.enter, from);
 
     if (WALK == WALK_SHORT_STACK) {
@@ -136,8 +138,7 @@ Descent beginning(WalkRay ray, uint end) {
 bool stepBack(bool does, float tMax, INOUT(uvec4) at, INOUT(Descent) s) {
     bool isDue = (s.due.x | s.due.y) != 0u;
     bool isInTime = s.earliest <= tMax;
-    bool isSound = at.w < s.end;
-    bool left = isDue && isInTime && isSound;
+    bool left = isDue && isInTime;
     bool deep = s.due.y != 0u;
     uint word = either(deep, s.due.y, s.due.x);
     uint level = word & (~word + 1u);
@@ -209,6 +210,12 @@ void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
         at.w = either(back && !left, DONE, at.w);
     }
     at.z = s.here.node;
+}
+
+// No more beginnings than nodes, 64 levels down by four each time, and one step a word of the lists.
+float mostSteps() {
+    uvec4 sizes = nodes_at(0u);
+    return 20.0f * float(int(header.nodeCount)) + float(int(sizes.y)) + 64.0f;
 }
 
 bool isDone(uvec4 at) { return at.w == DONE; }

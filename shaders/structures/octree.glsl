@@ -11,7 +11,8 @@
 // Requires  nodes[] and triangles[] as built by host/structures/octree.cpp.
 // Ensures   as every walk (shaders/trace.glsl).
 // Cost      no stack: where something is due above, the walk goes back to it through two registers or from the root. Each
-//           time the path's number grows: so the walk ends, whatever the links. Empty octants are never fetched.
+//           time the path's number grows: so the walk ends, whatever the links, if after ages where one leads back: whoever
+//           makes it notices after mostSteps(). Empty octants are never fetched.
 // Source    Laine 2010, "Restart Trail for Stackless BVH Traversal"; Revelles et al. 2000, "An Efficient Parametric Algorithm
 //           for Octree Traversal" (the planes' distances; not halved from those above here, which would add up roundings).
 
@@ -236,6 +237,12 @@ void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
     at.y = s.path.y << 1;
     at.z = s.path.z << 1;
     at.w = either(stands, either(isListed, s.here.node - LEAF, 0u), at.w);
+}
+
+// Each record is left once for each of its octants at most, 20 levels down by two each time, and one step a word of the lists.
+float mostSteps() {
+    uvec4 sizes = nodes_at(0u);
+    return 24.0f * float(int(header.nodeCount)) + float(int(sizes.y)) + 64.0f;
 }
 
 bool isDone(uvec4 at) { return at.w == DONE; }
