@@ -1,8 +1,8 @@
 // One ray from beginning to end, or as far as maxSteps lets it come: what the trace kernels and the CPU call.
 //
 // Whoever includes this declares before it, in this order: header, nodes_at(i), triangles_at(i), the constants ANY_HIT, WALK,
-// SKIP_SEE_THROUGH and HAS_SPHERES, COUNT_NODE(did), COUNT_TRIANGLE(did); then intersect.glsl, triangles.glsl and
-// structures/NAME.glsl.
+// SKIP_SEE_THROUGH and HAS_SPHERES, COUNT_NODE(did), COUNT_TRIANGLE(did), COUNT_BOXES(how many), COUNT_LINK(did); then
+// intersect.glsl, triangles.glsl and structures/NAME.glsl.
 //
 // A structure's walk(ray, at, maxSteps, best) takes `at`, all 0 at the start, on by at most maxSteps loop iterations and
 // improves `best`; isDone(at) says that nothing is left. Then best.primitive == NO_HIT, or best is the nearest hit in

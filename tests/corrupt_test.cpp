@@ -2,6 +2,7 @@
 // hang, on the CPU and on devices, whatever is asked.
 #include "rays/cpu_walk.hpp"
 #include "rays/tracer.hpp"
+#include "structures/bvh_trail.hpp"
 #include "support/devices.hpp"
 #include "support/soups.hpp"
 #include "support/variants.hpp"
@@ -15,8 +16,18 @@ using test::Variant;
 
 constexpr uint32_t leaf = 0x80000000u;  // of a link, or of a list's last word
 
+/// Every node is a child of its own.
+void forgeTrail(Structure& structure) {
+    for (uint32_t node = 0; node < structure.header.nodeCount; ++node)
+        for (uint32_t slot = 0; slot < bvh::trailArity(structure.header); ++slot) {
+            uint32_t& word = bvh::trailWord(structure, node, slot);
+            if (word < leaf) word = node;
+        }
+}
+
 /// Every node that a ray misses leads to itself.
 void forgeBvh(Structure& structure) {
+    if (bvh::isTrail(structure.header)) return forgeTrail(structure);
     const uint32_t walk = structure.header.walk;
     const uint32_t wide = walk == shared::WALK_OCTANTS16                            ? 1
                           : walk == shared::WALK_OBBS || walk == shared::WALK_KDOPS ? 4

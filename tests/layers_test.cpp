@@ -45,6 +45,7 @@ const std::map<std::string, Names> allowedIncludes = {
 /// Headers that the build writes, and the folder whose they are.
 const std::map<std::string, std::string> generatedFiles = {
     {"all_structures.hpp", "host/structures"},  // the headers of registry.def's lines
+    {"walks.def", "host/rays"},                 // the files of shaders/structures/
 };
 
 /// Files that may include less than their folder.

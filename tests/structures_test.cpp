@@ -121,6 +121,8 @@ TEST(Structures, RefuseOptionsTheyDoNotOffer) {
     EXPECT_THROW(structureType("bvh").build({}, {.bound = "blob"}), Error);
     EXPECT_THROW(structureType("bvh").build({}, {.walk = "skip", .precision = 16}), Error);
     EXPECT_THROW(structureType("bvh").build({}, {.bound = "sphere", .precision = 16}), Error);
+    EXPECT_THROW(structureType("bvh").build({}, {.bound = "sphere", .precision = 8}), Error);
+    EXPECT_THROW(structureType("bvh").build({}, {.walk = "octants", .precision = 8}), Error);
     EXPECT_THROW(structureType("brute").build({}, {.walk = "skip"}), Error);
     EXPECT_THROW(structureType("magic"), Error);
 }

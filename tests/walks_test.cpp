@@ -70,8 +70,10 @@ TEST_P(EveryDevice, TakesUpLongWalksWhereTheyStopped) {
     std::vector<Ray> rays;
     test::Random random(4);
     for (int i = 0; i < 100; ++i) rays.push_back({random.inCube(-1, 1) * vec3(1, 1, 0), 0.0f, vec3(0, 0, 1), 10.0f});
-    for (const StructureType& type : structureTypes()) {
-        const Structure structure = type.build(pile, {});
+    std::vector<test::Variant> variants = {{"bvh", {.walk = "trail"}}};
+    for (const StructureType& type : structureTypes()) variants.push_back({std::string(type.name), {}});
+    for (const test::Variant& variant : variants) {
+        const Structure structure = variant.build(pile);
         const auto device = makeDeviceTracer(*device_, structure);
         const std::vector<Hit> hits = trace(*device, rays);
         expectSame(hits, trace(*makeCpuTracer(structure), rays), rays, structure.name);
@@ -91,6 +93,12 @@ TEST_P(EveryDevice, CountsWhatTheCpuCounts) {
             makeDeviceTracer(*device_, structure, /* counting= */ true)->trace(rays, hits, Query::closest).counters;
         EXPECT_EQ(device.nodeFetches, cpu.nodeFetches) << walk;
         EXPECT_EQ(device.triangleTests, cpu.triangleTests) << walk;
+        EXPECT_EQ(device.boxTests, cpu.boxTests) << walk;
+        EXPECT_EQ(device.linkReads, cpu.linkReads) << walk;
+        const bool isTrail = variant.params.walk == "trail";
+        EXPECT_EQ(cpu.boxTests > 0, variant.structure == "bvh") << walk;
+        EXPECT_EQ(cpu.boxTests > cpu.nodeFetches, isTrail) << walk;
+        EXPECT_EQ(cpu.linkReads > 0, isTrail) << walk;
         EXPECT_GT(cpu.triangleTests, rays.size() / 10) << walk;
     }
 }

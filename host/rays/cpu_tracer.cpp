@@ -8,30 +8,30 @@
 namespace raig {
 
 namespace cpu_walks {
-#define RAIG_STRUCTURE(name)                                                                                   \
+#define RAIG_WALK(name)                                                                                        \
     void name(const Structure& structure, WalkOptions options, std::span<const Ray> rays, std::span<Hit> hits, \
               WalkCounters& counters);                                                                         \
     uint64_t name##MostSteps(const Structure& structure);
-#include "structures/registry.def"
-#undef RAIG_STRUCTURE
+#include "walks.def"
+#undef RAIG_WALK
 }  // namespace cpu_walks
 
-CpuWalk cpuWalk(std::string_view structure) {
-#define RAIG_STRUCTURE(name) \
-    if (structure == #name) return cpu_walks::name;
-#include "structures/registry.def"
-#undef RAIG_STRUCTURE
-    RAIG_CHECK(false && "a structure of registry.def");
+CpuWalk cpuWalk(std::string_view walkFile) {
+#define RAIG_WALK(name) \
+    if (walkFile == #name) return cpu_walks::name;
+#include "walks.def"
+#undef RAIG_WALK
+    RAIG_CHECK(false && "a file of shaders/structures/");
     return nullptr;
 }
 
 uint64_t mostStepsOf(const Structure& structure) {
-    const std::string_view kind = structure.name;
-#define RAIG_STRUCTURE(name) \
-    if (kind == #name) return cpu_walks::name##MostSteps(structure);
-#include "structures/registry.def"
-#undef RAIG_STRUCTURE
-    RAIG_CHECK(false && "a structure of registry.def");
+    const std::string_view walkFile = structure.walkFile();
+#define RAIG_WALK(name) \
+    if (walkFile == #name) return cpu_walks::name##MostSteps(structure);
+#include "walks.def"
+#undef RAIG_WALK
+    RAIG_CHECK(false && "a file of shaders/structures/");
     return 0;
 }
 
@@ -43,7 +43,7 @@ namespace {
 
 class CpuTracer : public Tracer {
 public:
-    explicit CpuTracer(const Structure& structure) : structure_(structure), walk_(cpuWalk(structure.name)) {}
+    explicit CpuTracer(const Structure& structure) : structure_(structure), walk_(cpuWalk(structure.walkFile())) {}
 
     TraceReport trace(std::span<const Ray> rays, std::span<Hit> hits, Query query) override {
         return run(rays, hits, {.anyHit = query == Query::any, .skipSeeThrough = false});
@@ -62,8 +62,7 @@ private:
             WalkCounters counters;
             walk_(structure_, options, rays.subspan(begin, end - begin), hits.subspan(begin, end - begin), counters);
             const std::lock_guard lock(mutex);
-            report.counters.nodeFetches += counters.nodeFetches;
-            report.counters.triangleTests += counters.triangleTests;
+            report.counters += counters;
         });
         report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         return report;

@@ -43,6 +43,8 @@ struct Counts {
     uint32_t unfinished;
     std::array<uint32_t, 2> nodeFetches;  // low and high halves
     std::array<uint32_t, 2> triangleTests;
+    std::array<uint32_t, 2> boxTests;
+    std::array<uint32_t, 2> linkReads;
     std::array<uint32_t, 3> padding;
 };
 
@@ -97,7 +99,7 @@ class VulkanTracer : public DeviceTracer {
 public:
     VulkanTracer(Device& device, const Structure& structure, bool counting)
         : device_(device),
-          name_("trace_" + structure.name + (device.loadsTexel() ? "_texel" : "_storage")),
+          name_("trace_" + std::string(structure.walkFile()) + (device.loadsTexel() ? "_texel" : "_storage")),
           walk_(structure.header.walk),
           mostSteps_(mostStepsOf(structure)),
           corrupt_(structure),
@@ -207,8 +209,7 @@ private:
         counts_.download(std::as_writable_bytes(std::span(&counts, 1)));
         report.seconds += ran.seconds;
         report.deviceSeconds += ran.deviceSeconds;
-        report.counters.nodeFetches += joined(counts.nodeFetches);
-        report.counters.triangleTests += joined(counts.triangleTests);
+        report.counters += {joined(counts.nodeFetches), joined(counts.triangleTests), joined(counts.boxTests), joined(counts.linkReads)};
         return counts.unfinished;
     }
 

@@ -16,8 +16,18 @@ class Commands;
 
 /// What a walk did, summed over rays; counted only where asked for, as counting costs time.
 struct WalkCounters {
-    uint64_t nodeFetches = 0;
+    uint64_t nodeFetches = 0;    ///< nodes or cells read, each time
     uint64_t triangleTests = 0;
+    uint64_t boxTests = 0;       ///< bounds of nodes, of whatever kind, against a ray: a node may hold those of all its children
+    uint64_t linkReads = 0;      ///< links that lie apart from nodes
+
+    WalkCounters& operator+=(const WalkCounters& other) {
+        nodeFetches += other.nodeFetches;
+        triangleTests += other.triangleTests;
+        boxTests += other.boxTests;
+        linkReads += other.linkReads;
+        return *this;
+    }
 };
 
 struct TraceReport {

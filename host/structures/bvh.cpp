@@ -42,16 +42,18 @@ void checkParams(const BuildParams& params) {
             throw usageError("{} {}: bvh offers {}", option, value, fmt::join(offered, ", "));
     };
     check("--build", params.build, {"binned", "sweep", "median", "lbvh", "sbvh"});
-    check("--walk", params.walk, {"auto", "octants", "skip"});
+    check("--walk", params.walk, {"auto", "octants", "trail", "skip"});
     check("--bound", params.bound, {"aabb", "sphere", "obb", "kdop"});
     if (params.maxLeaf > largestLeaf)
         throw usageError("--max-leaf {}: a leaf of bvh holds 1 to {} triangles", params.maxLeaf, largestLeaf);
     const bool boxes = params.bound.empty() || params.bound == "aabb";
-    if (!boxes && params.walk == "skip") throw usageError("--walk skip: only --bound aabb is walked so; leave it out");
+    if (!boxes && (params.walk == "skip" || params.walk == "trail"))
+        throw usageError("--walk {}: only --bound aabb is walked so; leave it out", params.walk);
     if (!boxes && params.precision != 0 && params.precision != 32)
         throw usageError("--precision {}: only --bound aabb has it; leave it out", params.precision);
     if (params.walk == "skip" && params.precision == 16) throw usageError("--precision 16: --walk skip has 32 bits only");
-    if (params.precision == 8) throw usageError("--precision 8: bvh offers 16 and 32 bits so far");
+    if (params.precision == 8 && (params.walk == "skip" || params.walk == "octants"))
+        throw usageError("--precision 8: only --walk trail has it; leave one of them out");
 }
 
 /// Spatial splits may add so many references: three in ten, and what the memory budget leaves.
@@ -102,8 +104,10 @@ void measure(const BinaryTree& tree, StructureStatistics& statistics) {
 
 }  // namespace
 
-Structure build(std::span<const Primitive> triangles, const BuildParams& params) {
-    checkParams(params);
+Structure build(std::span<const Primitive> triangles, const BuildParams& given) {
+    checkParams(given);
+    BuildParams params = given;
+    if (params.arity == 0) params.arity = defaultArity;
     if (triangles.size() > mostTriangles)
         throw limitError("bvh holds at most {} triangles; the scene has {}", mostTriangles, triangles.size());
     const auto start = std::chrono::steady_clock::now();
@@ -120,8 +124,7 @@ Structure build(std::span<const Primitive> triangles, const BuildParams& params)
         structure.header.hi = bounds.hi * unit;
     }
     BinaryTree tree = buildTree(triangles, params, unit, std::move(references));
-    const uint32_t arity = params.arity == 0 ? defaultArity : params.arity;
-    if (arity > 2) widen(tree, arity);
+    if (params.arity > 2) widen(tree, params.arity);
     measure(tree, structure.statistics);
     // Builders leave room for the most nodes that there can be: in large scenes, as much memory as the rest takes.
     if (structure.statistics.nodes < tree.nodes.size() / 2 + 1) compact(tree);

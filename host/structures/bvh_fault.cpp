@@ -1,22 +1,15 @@
 #include "base/parallel.hpp"
+#include "structures/bvh_fault.hpp"
 #include "structures/bvh.hpp"
-#include "structures/bvh_layout.hpp"
+#include "structures/bvh_trail.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
 namespace raig::bvh {
 
 namespace {
-
-/// Where parts of triangles that are cut lie: the leaf boxes with each, by id.
-using Parts = std::map<uint32_t, std::vector<LaidNode::Extent>>;
-
-bool contains(const LaidNode::Extent& outer, const dvec3& lo, const dvec3& hi) {
-    return glm::all(glm::lessThanEqual(outer.lo, lo)) && glm::all(glm::lessThanEqual(hi, outer.hi));
-}
 
 /// Checks one copy of the tree; counts in `seen` how often each reference is in a leaf.
 class CopyChecker {
@@ -57,9 +50,7 @@ private:
     bool isBounded(const LaidNode::Extent& root) const {
         const StructureHeader& header = structure_.header;
         if (header.walk != shared::WALK_OCTANTS16) return root.lo == dvec3(header.lo) && root.hi == dvec3(header.hi);
-        StructureHeader laid = header;
-        setGrid(laid);
-        return laid.gridOrigin == header.gridOrigin && laid.gridStep == header.gridStep;
+        return hasSceneGrid(header);
     }
 
     std::string at(uint32_t index, std::string_view what) const {
@@ -94,6 +85,20 @@ private:
     std::vector<Open> open_;
 };
 
+std::optional<std::string> findReferenceFault(const Structure& structure, std::span<const Primitive> triangles) {
+    std::vector<uint8_t> referenced(triangles.size());
+    for (uint32_t i = 0; i < structure.header.triangleCount; ++i) {
+        const uint32_t id = referencedId(structure, i);
+        if (id >= triangles.size()) return fmt::format("reference {} names a triangle that is not there", i);
+        referenced[id] = 1;
+        if (!refersTo(structure, i, triangles[id]))
+            return fmt::format("reference {} has other corners than triangle {}", i, id);
+    }
+    for (size_t id = 0; id < triangles.size(); ++id)
+        if ((referenced[id] != 0) != triangles[id].usable()) return fmt::format("triangle {} is missing, or unusable", id);
+    return std::nullopt;
+}
+
 /// Points spread over a primitive, in the structure's unit.
 std::vector<dvec3> pointsOf(const Primitive& primitive) {
     constexpr int steps = 8;
@@ -116,8 +121,14 @@ std::vector<dvec3> pointsOf(const Primitive& primitive) {
     return points;
 }
 
-/// Primitives that no leaf's box holds as a whole must lie in their leaves' boxes together: looked at in places spread over
-/// them.
+}  // namespace
+
+bool hasSceneGrid(const StructureHeader& header) {
+    StructureHeader laid = header;
+    setGrid(laid);
+    return laid.gridOrigin == header.gridOrigin && laid.gridStep == header.gridStep;
+}
+
 std::optional<std::string> findUncovered(const Parts& parts, std::span<const Primitive> triangles, float unit) {
     for (const auto& [id, boxes] : parts)
         for (const dvec3& p : pointsOf(triangles[id].scaled(unit))) {
@@ -130,28 +141,14 @@ std::optional<std::string> findUncovered(const Parts& parts, std::span<const Pri
     return std::nullopt;
 }
 
-std::optional<std::string> findReferenceFault(const Structure& structure, std::span<const Primitive> triangles) {
-    std::vector<uint8_t> referenced(triangles.size());
-    for (uint32_t i = 0; i < structure.header.triangleCount; ++i) {
-        const uint32_t id = referencedId(structure, i);
-        if (id >= triangles.size()) return fmt::format("reference {} names a triangle that is not there", i);
-        referenced[id] = 1;
-        if (!refersTo(structure, i, triangles[id]))
-            return fmt::format("reference {} has other corners than triangle {}", i, id);
-    }
-    for (size_t id = 0; id < triangles.size(); ++id)
-        if ((referenced[id] != 0) != triangles[id].usable()) return fmt::format("triangle {} is missing, or unusable", id);
-    return std::nullopt;
-}
-
-}  // namespace
-
 std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles) {
     const StructureHeader& header = structure.header;
     if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
         return "triangle count and array differ";
-    if (structure.nodes.size() != copies(structure) * nodesACopy(header) * nodeTexels(header)) return "node count and array differ";
+    if (header.walk >= shared::MAX_WALKS) return "there is no such walk";
     if (auto fault = findReferenceFault(structure, triangles)) return fault;
+    if (isTrail(header)) return findTrailFault(structure, triangles);
+    if (structure.nodes.size() != copies(structure) * nodesACopy(header) * nodeTexels(header)) return "node count and array differ";
     std::vector<std::optional<std::string>> faults(copies(structure));
     parallelFor(faults.size(), 1, [&](size_t begin, size_t end) {
         for (size_t octant = begin; octant < end; ++octant) {

@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "structures/bvh_bounds.hpp"
+#include "structures/bvh_trail.hpp"
 
 #include <algorithm>
 #include <array>
@@ -271,6 +272,8 @@ uint32_t chooseBoxWalk(const BuildParams& params, const BinaryTree& tree, Struct
     const uint64_t left = params.memoryBudget - std::min(params.memoryBudget, referenceBytes(tree));
     if (params.walk == "skip") return shared::WALK_SKIP;
     const bool fine = params.precision == 16 || (params.precision == 0 && gridIsFineEnough(tree, structure.header));
+    if (params.walk == "trail" || params.precision == 8)
+        return trailWalk(params.arity, params.precision == 8 ? 8 : fine ? 16 : 32);
     const uint32_t wanted = fine ? shared::WALK_OCTANTS16 : shared::WALK_OCTANTS;
     if (params.walk == "octants" || 8 * nodes * bytesANode(wanted) <= left) return wanted;
     structure.remarks.push_back(fmt::format("one copy of the tree instead of eight, as {:.0f} MiB for them exceed the memory budget",
@@ -281,6 +284,13 @@ uint32_t chooseBoxWalk(const BuildParams& params, const BinaryTree& tree, Struct
 }  // namespace
 
 uint64_t referenceBytes(const BinaryTree& tree) { return tree.references.size() * shared::TRIANGLE_STRIDE * sizeof(uvec4); }
+
+void checkBudget(uint64_t texels, const BinaryTree& tree, uint64_t memoryBudget) {
+    const uint64_t bytes = texels * sizeof(uvec4) + referenceBytes(tree);
+    if (bytes > memoryBudget)
+        throw limitError("bvh needs {} MiB and --memory-budget allows {}: raise it, or choose another structure or --max-leaf",
+                         bytes >> 20, memoryBudget >> 20);
+}
 
 uint32_t nodeTexels(const StructureHeader& header) {
     static constexpr uint32_t texels[] = {2, 2, 1, 2, 4, 4};
@@ -310,11 +320,13 @@ void layOut(const BinaryTree& tree, std::span<const Primitive> triangles, const 
                   : params.bound == "obb"  ? shared::WALK_OBBS
                   : params.bound == "kdop" ? shared::WALK_KDOPS
                                            : chooseBoxWalk(params, tree, structure);
+    if (isTrail(header)) {
+        structure.walk = fmt::format("trail, {} boxes, {}-bit", trailArity(header), trailPrecision(header));
+        return layOutTrail(tree, params.memoryBudget, structure);
+    }
     structure.walk = names[header.walk];
     const uint64_t texels = copies(structure) * nodesACopy(header) * nodeTexels(header);
-    if (texels * sizeof(uvec4) + referenceBytes(tree) > params.memoryBudget)
-        throw limitError("bvh needs {} MiB and --memory-budget allows {}: raise it, or choose another structure or --max-leaf",
-                         (texels * sizeof(uvec4) + referenceBytes(tree)) >> 20, params.memoryBudget >> 20);
+    checkBudget(texels, tree, params.memoryBudget);
     structure.nodes.resize(texels);
     if (tree.nodes.empty()) return;
     const NodeBounds bounds = boundNodes(tree, triangles, header);

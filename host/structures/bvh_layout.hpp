@@ -7,7 +7,8 @@
 namespace raig::bvh {
 
 /// Fills in structure.nodes, walk, header.walk and the grid of header, as `params` asks for; a remark where the memory budget
-/// allows one copy of the tree only. Requires header.lo, hi and nodeCount, and options that bvh offers.
+/// allows one copy of the tree only. Requires header.lo, hi and nodeCount, and options that bvh offers, the
+/// arity among them.
 /// Throws limitError if the nodes and references exceed the budget all the same.
 /// O(nodes), the octants in parallel; other bounds than boxes take O(depth) looks at each triangle.
 void layOut(const BinaryTree& tree, std::span<const Primitive> triangles, const BuildParams& params, Structure& structure);
@@ -45,6 +46,9 @@ uint32_t copies(const Structure& structure);
 
 /// Of a node: 1, 2 or 4, by header.walk.
 uint32_t nodeTexels(const StructureHeader& header);
+
+/// Throws limitError if that many texels of nodes, with the references, exceed the budget.
+void checkBudget(uint64_t texels, const BinaryTree& tree, uint64_t memoryBudget);
 
 /// Bytes of the references as walks read them.
 uint64_t referenceBytes(const BinaryTree& tree);

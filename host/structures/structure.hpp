@@ -56,7 +56,7 @@ using Triangle = Primitive;
 /// Options of all builders, each with the builders that read it. Names are as on the command line.
 struct BuildParams {
     std::string build = "";     ///< bvh: median, binned, sweep, sbvh, lbvh; kdtree: median, sah. Empty: the structure's default
-    std::string walk = "auto";  ///< bvh: skip, octants; kdtree: short-stack, restart. Or auto
+    std::string walk = "auto";  ///< bvh: skip, octants, trail; kdtree: short-stack, restart. Or auto
     std::string bound = "";     ///< bvh: aabb, sphere, obb, kdop. Empty: aabb
     uint32_t arity = 0;         ///< bvh: most children of a node, 2, 4 or 8; 0: the default
     uint32_t precision = 0;     ///< bvh: bits of a box's plane, 32, 16 or 8; 0: as suits the scene
@@ -94,6 +94,10 @@ struct Structure {
     std::vector<uvec4> triangles;  ///< three a reference (shaders/shared/structure.glsl)
     StructureStatistics statistics;
     std::vector<std::string> remarks;  ///< what a person should know, such as that the memory budget stopped the builder
+
+    /// The file of shaders/structures/ that has its walk, without its ending: of the structure's name, and for some walks of bvh
+    /// another.
+    std::string_view walkFile() const;
 
     /// Marks the references to primitives i with seeThrough[i] != 0 as no obstacle to shadow rays.
     /// Requires a flag for each primitive that the structure was built over.

@@ -22,15 +22,19 @@ const uint TRIANGLE_SEE_THROUGH = 1u;  // lets light through: no obstacle to sha
 const uint TRIANGLE_SPHERE = 2u;       // is a sphere
 
 // header.walk is less than this, whatever the structure.
-const uint MAX_WALKS = 6u;
+const uint MAX_WALKS = 15u;
 
-// Walks of bvh, by what bounds a node. All but the first have eight copies of the tree, one for each octant of directions.
+// Walks of bvh, by what bounds a node. Those to WALK_KDOPS, but for the first, have eight copies of the tree, one for each octant
+// of directions.
 const uint WALK_SKIP = 0u;       // one depth-first tree, boxes of floats: 32 bytes a node
 const uint WALK_OCTANTS = 1u;    // boxes of floats: 32 bytes
 const uint WALK_OCTANTS16 = 2u;  // boxes with 16-bit planes: 16 bytes
 const uint WALK_SPHERES = 3u;    // spheres: 32 bytes
 const uint WALK_OBBS = 4u;       // oriented boxes: 64 bytes
 const uint WALK_KDOPS = 5u;      // seven slabs, the axes' and the diagonals': 64 bytes
+// One tree, whose nodes hold the boxes of all their children: WALK_TRAIL, and log2 of how many children, less 1; and 3 for planes
+// of 16 bits, or 6 for 8 bits, instead of 32.
+const uint WALK_TRAIL = 6u;
 
 // How many nodes end each copy of the tree: as many as a walk takes steps before it looks, and one.
 const uint BVH_END_NODES = 7u;

@@ -5,7 +5,7 @@
 // walks differ in how many trees there are and what bounds a node (WALK_* in shared/structure.glsl): one for each octant
 // of directions has the nearer child first in each, and boxes stored as (near plane, far plane).
 //
-// Requires  nodes[] and triangles[] as built by host/structures/bvh.cpp for header.walk.
+// Requires  nodes[] and triangles[] as built by host/structures/bvh.cpp for header.walk, less than WALK_TRAIL (trail.glsl has those).
 // Ensures   as every walk (shaders/trace.glsl).
 // Cost      at.x only grows, so a node is visited at most once; no stack, no shared memory. One step tests up to six nodes
 //           for the rays that hold no leaf, then one triangle for those that do: wide devices run both sides of a branch.
@@ -157,6 +157,7 @@ bool hitsNode(WalkRay ray, NodeSpace space, uint at, float tMax, INOUT(uint) wor
 // its steps. `held` is the leaf that it stays at.
 void stepNode(WalkRay ray, NodeSpace space, float tMax, INOUT(uint) at, INOUT(uint) held, INOUT(Step) taken) {
     COUNT_NODE(at != held && at < header.nodeCount)
+    COUNT_BOXES(at != held && at < header.nodeCount ? 1u : 0u)
     uint word = 0u;
     bool hit = hitsNode(ray, space, at, tMax, word);
     uint after = at + 1u;

@@ -17,6 +17,17 @@ void addBvhs(std::vector<Variant>& variants) {
         for (const uint32_t precision : {16, 32}) variants.push_back({"bvh", {.build = build, .precision = precision}});
     for (const char* bound : {"aabb", "sphere", "obb", "kdop"})
         for (const uint32_t arity : {2, 4, 8}) variants.push_back({"bvh", {.bound = bound, .arity = arity}});
+    for (const uint32_t arity : {2, 4, 8})
+        for (const uint32_t precision : {32, 16, 8})
+            variants.push_back({"bvh", {.walk = "trail", .arity = arity, .precision = precision}});
+    for (const char* build : {"median", "sweep", "sbvh", "lbvh"})
+        for (const uint32_t arity : {2, 4, 8})
+            for (const uint32_t precision : {32, 16, 8}) {
+                // In a short run, one or three of these nine.
+                const bool chosen = arity * precision == 64 && (arity == 8 || std::string_view(build) == "sbvh");
+                if (chosen || isLong())
+                    variants.push_back({"bvh", {.build = build, .walk = "trail", .arity = arity, .precision = precision, .maxLeaf = 1}});
+            }
     variants.push_back({"bvh", {.build = "sbvh", .walk = "skip", .arity = 8}});
     variants.push_back({"bvh", {.build = "sbvh", .bound = "obb", .arity = 4}});
 }
