@@ -158,5 +158,34 @@ TEST_F(StructureCommands, AutoTakesTheStructureThatInfoNames) {
     EXPECT_EQ(render(box_, "c.pfm", {"--accel", "auto", "--memory-budget", "64"}).exitCode, 0);
 }
 
+/// What `raig trace` counts of rays that look at the box from where its camera is.
+nlohmann::json countersOf(const std::string& scene, const fs::path& folder, const Arguments& more) {
+    std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (100, 8), }";
+    header.resize(117, ' ');
+    std::ofstream file(folder / "rays.npy", std::ios::binary);
+    file << "\x93NUMPY" << '\1' << '\0' << char(118) << '\0' << header << '\n';
+    for (int i = 0; i < 100; ++i) {
+        const float ray[8] = {278, 273, -800, 0, 0.04f * float(i % 10 - 5), 0.04f * float(i / 10 - 5), 1, 1e30f};
+        file.write(reinterpret_cast<const char*>(ray), sizeof ray);
+    }
+    file.close();
+    Arguments all = {"trace", scene, "--rays", folder / "rays.npy", "--hits", folder / "hits.npy", "--json"};
+    all.insert(all.end(), more.begin(), more.end());
+    const ProgramResult result = runProgram(RAIG_PROGRAM, all);
+    EXPECT_EQ(result.exitCode, 0) << result.errors;
+    return nlohmann::json::parse(result.output)["counters"];
+}
+
+TEST_F(StructureCommands, TraceCountsOnADeviceWhereAsked) {
+    for (const char* walk : {"octants", "trail"}) {
+        const nlohmann::json cpu = countersOf(box_, folder_, {"--walk", walk, "--device", "cpu"});
+        EXPECT_GT(cpu["node_fetches"], 100);
+        EXPECT_GT(cpu["box_tests"], 100);
+        EXPECT_GT(cpu["primitive_tests"], 100);
+        EXPECT_EQ(countersOf(box_, folder_, {"--walk", walk, "--device", "llvmpipe", "--counters"}), cpu);
+        EXPECT_TRUE(countersOf(box_, folder_, {"--walk", walk, "--device", "llvmpipe"}).is_null());
+    }
+}
+
 }  // namespace
 }  // namespace raig

@@ -2,6 +2,7 @@
 #include "measure/bench.hpp"
 
 #include "app/commands.hpp"
+#include "app/counters_json.hpp"
 #include "app/progress.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
@@ -45,12 +46,15 @@ void printReport(const std::string& scene, size_t triangles, const BenchReport& 
     for (const BenchBuild& b : report.builds)
         fmt::print("{:10} {:24} {:>10.4f} {:>22} {:>12.1f} {:>9.2f}\n", b.structure, b.walk, b.seconds.median, ratioText(b.toEmbree),
                    double(b.statistics.bytes) / double(std::max<size_t>(triangles, 1)), b.statistics.sahCost);
-    fmt::print("\n{:10} {:9} {:>9} {:>9} {:>9} {:>22} {:>8} {:>8}\n", "structure", "rays", "Mrays/s", "Embree", "hits",
-               "of Embree's", "visits", "tests");
-    for (const BenchResult& r : report.results)
-        fmt::print("{:10} {:9} {:>9.2f} {:>9} {:>9} {:>22} {:>8.1f} {:>8.2f}\n", r.structure, r.rays, r.megaRays.median,
+    fmt::print("\n{:10} {:9} {:>9} {:>9} {:>9} {:>22} {:>8} {:>8} {:>8} {:>8}\n", "structure", "rays", "Mrays/s", "Embree", "hits",
+               "of Embree's", "visits", "boxes", "tests", "links");
+    for (const BenchResult& r : report.results) {
+        const auto perRay = [&](uint64_t all) { return static_cast<double>(all) / static_cast<double>(r.count); };
+        fmt::print("{:10} {:9} {:>9.2f} {:>9} {:>9} {:>22} {:>8.1f} {:>8.1f} {:>8.2f} {:>8.2f}\n", r.structure, r.rays, r.megaRays.median,
                    r.embree ? fmt::format("{:.2f}", r.embree->median) : "-", r.hits, ratioText(r.toEmbree),
-                   double(r.counters.nodeFetches) / double(r.count), double(r.counters.triangleTests) / double(r.count));
+                   perRay(r.counters.nodeFetches), perRay(r.counters.boxTests), perRay(r.counters.triangleTests),
+                   perRay(r.counters.linkReads));
+    }
     fmt::print("\n");
 }
 
@@ -73,8 +77,7 @@ void addJson(Json& json, const std::string& scene, size_t triangles, const std::
                                    {"mrays_per_s", toJson(r.megaRays)},
                                    {"mrays_per_s_embree", toJson(r.embree)},
                                    {"ratio_to_embree", toJson(r.toEmbree)},
-                                   {"counters",
-                                    {{"node_fetches", r.counters.nodeFetches}, {"triangle_tests", r.counters.triangleTests}}}});
+                                   {"counters", toJson(r.counters)}});
     for (const BenchBuild& b : report.builds)
         json["builds"].push_back({{"scene", scene},
                                   {"structure", b.structure},

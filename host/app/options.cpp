@@ -198,6 +198,7 @@ void addTrace(CLI::App& app, Options& options) {
         options.query = text == "any" ? Query::any : Query::closest;
     };
     command.add_option_function<std::string>("--query", parseQuery, "closest or any (default: closest)")->type_name("QUERY");
+    command.add_flag("--counters", options.counters, "count what walks do on a device, too (with --json; costs time)");
     addStructure(command, options);
     addCommon(command, options);
     command.footer("Examples:\n"

@@ -53,6 +53,7 @@ struct Options {
     std::filesystem::path rays;
     std::filesystem::path hits;
     Query query = Query::closest;
+    bool counters = false;  ///< count on a device, too, which costs time
 };
 
 /// Parses a command line.

@@ -61,7 +61,7 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
     start = Clock::now();
     if (info) {
         setup->device = std::make_unique<Device>(*info);
-        std::unique_ptr<DeviceTracer> tracer = makeDeviceTracer(*setup->device, setup->structure);
+        std::unique_ptr<DeviceTracer> tracer = makeDeviceTracer(*setup->device, setup->structure, options.counters);
         setup->deviceTracer = tracer.get();
         setup->tracer = std::move(tracer);
         log::note("device: {} ({})", info->name, info->driver);

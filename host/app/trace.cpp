@@ -1,5 +1,6 @@
 // `raig trace`: a batch of rays from one NumPy file to hits in another.
 #include "app/commands.hpp"
+#include "app/counters_json.hpp"
 #include "app/setup.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
@@ -64,9 +65,7 @@ int trace(const Options& options) {
                                    {"device_s", report.deviceSeconds},
                                    {"mrays_per_s", megaRays},
                                    {"counters", nullptr}};
-    const WalkCounters& counters = report.counters;
-    if (counters.nodeFetches + counters.triangleTests > 0)
-        json["counters"] = {{"node_fetches", counters.nodeFetches}, {"triangle_tests", counters.triangleTests}};
+    if (options.counters || !setup->device) json["counters"] = toJson(report.counters);
     std::printf("%s\n", json.dump(2).c_str());
     return static_cast<int>(ExitCode::done);
 }
