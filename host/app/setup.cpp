@@ -31,6 +31,16 @@ void describeScene(const Scene& scene, const Geometry& geometry) {
             dropped.nonFinite, dropped.zeroArea, dropped.other);
 }
 
+/// The fastest walk where the scene is to be traced; not measured where that takes longer than it saves.
+void setFastestWalk(const std::optional<DeviceInfo>& info, Setup& setup, StructureSource& source) {
+    if (!info) return source.setWalk(walkOnCpu());
+    if (setup.geometry.triangles.size() < leastForChoice) return;
+    setup.device = std::make_unique<Device>(*info);
+    const WalkChoice choice = chooseWalk(*setup.device, RAIG_VERSION);
+    log::note("walk: {}", choice.why);
+    source.setWalk(choice);
+}
+
 }  // namespace
 
 std::string Setup::deviceName() const { return device ? device->info().name : "cpu"; }
@@ -51,6 +61,7 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
     setup->importSeconds = secondsSince(start);
     describeScene(setup->scene, setup->geometry);
 
+    if (source.leavesWalkOpen()) setFastestWalk(info, *setup, source);
     setup->structure = source.make(setup->scene, setup->geometry);
     setup->buildSeconds = source.buildSeconds();
     setup->loadSeconds = source.loadSeconds();
@@ -60,7 +71,7 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
 
     start = Clock::now();
     if (info) {
-        setup->device = std::make_unique<Device>(*info);
+        if (!setup->device) setup->device = std::make_unique<Device>(*info);
         std::unique_ptr<DeviceTracer> tracer = makeDeviceTracer(*setup->device, setup->structure, options.counters);
         setup->deviceTracer = tracer.get();
         setup->tracer = std::move(tracer);

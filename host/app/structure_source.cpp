@@ -41,7 +41,7 @@ void checkAuto(const Options& options) {
 
 }  // namespace
 
-StructureSource::StructureSource(const Options& options) : options_(options) {
+StructureSource::StructureSource(const Options& options) : options_(options), params_(options.buildParams) {
     if (options.accel != "auto") structureType(options.accel);
     checkAuto(options);
     if (options.loadStructure.empty()) return;
@@ -74,13 +74,25 @@ Structure StructureSource::make(const Scene& scene, const Geometry& geometry) {
     } else {
         const Clock::time_point start = Clock::now();
         structure = options_.accel == "auto" ? choose(scene, geometry, triangles)
-                                             : structureType(options_.accel).build(triangles, options_.buildParams);
+                                             : structureType(options_.accel).build(triangles, params_);
         buildSeconds_ = secondsSince(start);
     }
     if (!options_.saveStructure.empty()) saveStructure(options_.saveStructure, structure, options_.buildParams, triangles);
     const std::vector<uint8_t> seeThrough = findSeeThrough(scene, geometry);
     if (!seeThrough.empty()) structure.markSeeThrough(seeThrough);
     return structure;
+}
+
+bool StructureSource::leavesWalkOpen() const {
+    const BuildParams& given = options_.buildParams;
+    return !file_ && options_.accel == "bvh" && given.walk == "auto" && given.bound.empty() && given.arity == 0 && given.precision == 0;
+}
+
+void StructureSource::setWalk(const WalkChoice& choice) {
+    // Octants are what auto means to the builder, which knows better what to do where memory is short.
+    if (choice.walk == "octants") return;
+    params_.walk = choice.walk;
+    params_.arity = choice.arity;
 }
 
 std::string StructureSource::origin(const Structure& structure) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "app/options.hpp"
+#include "measure/walk_choice.hpp"
 #include "scene/geometry.hpp"
 #include "structures/structure_file.hpp"
 
@@ -19,6 +20,10 @@ public:
     /// Throws what building, reading and saving throw.
     Structure make(const Scene& scene, const Geometry& geometry);
 
+    /// True if the fastest walk of bvh is wanted, whichever that is (--walk auto), and nothing else that depends on the walk.
+    bool leavesWalkOpen() const;
+    void setWalk(const WalkChoice& choice);
+
     /// How `structure` came here, in words.
     std::string origin(const Structure& structure) const;
     double buildSeconds() const { return buildSeconds_; }  ///< 0 where it was read
@@ -28,6 +33,7 @@ private:
     Structure choose(const Scene& scene, const Geometry& geometry, std::span<const Primitive> triangles);
 
     const Options& options_;
+    BuildParams params_;  ///< those of the options, and the walk that was chosen
     std::unique_ptr<StructureFile> file_;
     double buildSeconds_ = 0.0;
     double loadSeconds_ = 0.0;

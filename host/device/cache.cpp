@@ -1,6 +1,7 @@
 #include "device/cache.hpp"
 
 #include "base/files.hpp"
+#include "device/kept.hpp"
 
 #include <array>
 #include <cstdlib>
@@ -45,16 +46,23 @@ void save(const std::filesystem::path& path, std::span<const std::byte> file) {
     }
 }
 
-std::vector<std::byte> load(const std::filesystem::path& path, const std::string& key) {
+std::optional<std::vector<std::byte>> load(const std::filesystem::path& path, const std::string& key) {
     std::error_code ignored;
-    if (path.empty() || !std::filesystem::is_regular_file(path, ignored)) return {};
+    if (path.empty() || !std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
     try {
-        if (auto blob = decodeCache(readFile(path, largestFile), key)) return *std::move(blob);
+        return decodeCache(readFile(path, largestFile), key);
     } catch (const Error&) {
-        // Unreadable: as if it were not there.
+        return std::nullopt;  // unreadable: as if it were not there
     }
-    return {};
 }
+
+/// What is kept besides pipelines lies in their folder.
+std::filesystem::path keptFile(const Device::State& state, const std::string& key) {
+    if (state.cacheFile.empty()) return {};
+    return state.cacheFile.parent_path() / fmt::format("kept-{:016x}.bin", hash(key));
+}
+
+std::string keptKey(const Device::State& state, std::string_view what) { return fmt::format("{} {}", what, state.cacheKey); }
 
 }  // namespace
 
@@ -95,7 +103,7 @@ std::optional<std::vector<std::byte>> decodeCache(std::span<const std::byte> fil
 }
 
 void openCache(Device::State& state) {
-    const std::vector<std::byte> blob = load(state.cacheFile, state.cacheKey);
+    const std::vector<std::byte> blob = load(state.cacheFile, state.cacheKey).value_or(std::vector<std::byte>());
     state.cacheHash = hash(blob);
     VkPipelineCacheCreateInfo create = vk::init<VkPipelineCacheCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO);
     create.initialDataSize = blob.size();
@@ -121,3 +129,18 @@ void closeCache(Device::State& state) {
 }
 
 }  // namespace raig::vk
+
+namespace raig {
+
+std::optional<std::vector<std::byte>> readKept(const Device& device, std::string_view what) {
+    const std::string key = vk::keptKey(device.state(), what);
+    return vk::load(vk::keptFile(device.state(), key), key);
+}
+
+void writeKept(const Device& device, std::string_view what, std::span<const std::byte> bytes) {
+    const std::string key = vk::keptKey(device.state(), what);
+    const std::filesystem::path path = vk::keptFile(device.state(), key);
+    if (!path.empty()) vk::save(path, vk::encodeCache(bytes, key));
+}
+
+}  // namespace raig
