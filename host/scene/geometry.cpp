@@ -114,7 +114,7 @@ std::optional<double> uniformScale(const dmat4& toWorld) {
     const glm::dmat3 linear(toWorld);
     const double squared =
         (glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2])) / 3.0;
-    if (!(squared > 0.0)) return 0.0;
+    if (squared == 0.0) return 0.0;
     for (int i = 0; i < 3; ++i) {
         const double along = glm::dot(linear[i], linear[i]), across = glm::dot(linear[i], linear[(i + 1) % 3]);
         // Half the difference of squares is that of lengths.
