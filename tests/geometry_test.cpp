@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cstring>
 #include <limits>
 #include <random>
 
@@ -228,16 +230,51 @@ TEST(Geometry, AttributesThatOneMeshLacksAreNeutralThere) {
     EXPECT_TRUE(flatten(sceneOf({plain}, {{0, dmat4(1.0)}})).uvs.empty());
 }
 
-// Moved far away, a float holds only so much: one rounding of the exact place, not two.
-TEST(Geometry, PositionsAreRoundedOnce) {
+// Of the sum that makes a coordinate, each product is rounded at most four times.
+TEST(Geometry, PositionsAreOffByFourRoundingsAtMost) {
     std::mt19937 random(9);
     std::uniform_real_distribution<float> coordinate(-1.0f, 1.0f);
-    for (int round = 0; round < 1000; ++round) {
-        const vec3 p(coordinate(random), coordinate(random), coordinate(random));
-        const double by = 148376.0625, scale = 3.0;
-        const vec3 got = placePoint(translation({by, by, by}) * scaling(dvec3(scale)), p);
-        for (int k = 0; k < 3; ++k) EXPECT_EQ(got[k], static_cast<float>(scale * static_cast<double>(p[k]) + by));
+    for (int round = 0; round < 20'000; ++round) {
+        const vec3 p = vec3(coordinate(random), coordinate(random), coordinate(random)) * std::ldexp(1.0f, round % 90 - 45);
+        dmat4 toWorld = randomAffine(random);
+        toWorld[3] = dvec4(dvec3(toWorld[3]) * std::ldexp(1.0, round % 50 - 20), 1.0);
+        const Placement placement = placementOf(toWorld);
+        const vec3 got = placePoint(placement, p);
+        for (int k = 0; k < 3; ++k) {
+            const dvec4 row(k == 0 ? placement.x : k == 1 ? placement.y : placement.z);
+            const dvec4 terms = row * dvec4(p, 1.0);
+            const double exact = terms.x + terms.y + terms.z + terms.w;
+            EXPECT_LE(std::abs(got[k] - exact), 4.01 * 0x1p-24 * glm::dot(glm::abs(terms), dvec4(1.0))) << round;
+        }
+        ASSERT_FALSE(HasFailure());
     }
+}
+
+TEST(Geometry, TheIdentityLeavesPositionsAsTheyAre) {
+    std::mt19937 random(10);
+    const Placement identity = placementOf(dmat4(1.0));
+    for (int round = 0; round < 100'000; ++round) {
+        vec3 p;
+        for (int k = 0; k < 3; ++k) do p[k] = std::bit_cast<float>(static_cast<uint32_t>(random()));
+        while (!std::isfinite(p[k]));
+        const vec3 got = placePoint(identity, p);
+        ASSERT_EQ(std::memcmp(&got, &p, sizeof p), 0) << p.x << ' ' << p.y << ' ' << p.z;
+    }
+    dmat4 minus(1.0);
+    minus[3] = dvec4(-0.0, -0.0, -0.0, 1.0);
+    const vec3 zero = placePoint(placementOf(minus), vec3(-0.0f));
+    EXPECT_FALSE(std::signbit(zero.x)) << "no zero is negative, so placing it again changes nothing";
+}
+
+TEST(Geometry, NormalsThatHaveNoDirectionAreZero) {
+    const float inf = std::numeric_limits<float>::infinity();
+    const NormalPlacement flat = normalPlacementOf(scaling({1, 1, 0}));
+    EXPECT_EQ(placeNormal(flat, vec3(1, 0, 0)), vec3(0));
+    EXPECT_EQ(placeNormal(flat, vec3(0, 0, 1)), vec3(0, 0, 1));
+    EXPECT_EQ(placeNormal(flat, vec3(0)), vec3(0));
+    EXPECT_EQ(placeNormal(flat, vec3(0, 0, nan)), vec3(0));
+    EXPECT_EQ(placeNormal(flat, vec3(0, 0, inf)), vec3(0));
+    EXPECT_EQ(placeNormal(normalPlacementOf(scaling({0, 0, 1})), vec3(0, 0, 1)), vec3(0));
 }
 
 TEST(Geometry, MoreTrianglesThanCanBeNumberedAreALimit) {

@@ -36,7 +36,8 @@ Subject findSubject(const Scene& scene) {
     for (const Instance& instance : scene.instances) {
         const Mesh& mesh = scene.meshes[instance.mesh];
         placed.clear();
-        for (const vec3& position : mesh.positions) placed.push_back(placePoint(instance.toWorld, position));
+        const Placement placement = placementOf(instance.toWorld);
+        for (const vec3& position : mesh.positions) placed.push_back(placePoint(placement, position));
         isNamed.assign(placed.size(), false);
         for (const uvec3& t : mesh.triangles) {
             isNamed[t.x] = isNamed[t.y] = isNamed[t.z] = true;

@@ -11,28 +11,42 @@ namespace raig {
 
 namespace {
 
-/// Where each instance's vertices begin, and the total at the end.
-std::vector<size_t> firstVertices(const Scene& scene) {
-    std::vector<size_t> first{0};
-    for (const Instance& instance : scene.instances)
-        first.push_back(first.back() + scene.meshes[instance.mesh].positions.size());
-    return first;
+/// How many vertices and triangles the instances have, and which attributes.
+struct Extent {
+    uint64_t vertices = 0, primitives = 0;
+    bool anyNormals = false, anyUvs = false, anyColors = false;
+
+    void add(const Mesh& mesh) {
+        vertices += mesh.positions.size();
+        primitives += mesh.primitiveCount();
+        anyNormals |= !mesh.normals.empty();
+        anyUvs |= !mesh.uvs.empty();
+        anyColors |= !mesh.colors.empty();
+    }
+};
+
+void makeRoom(const Extent& extent, Geometry& geometry) {
+    geometry.positions.resize(extent.vertices);
+    if (extent.anyNormals) geometry.normals.resize(extent.vertices, vec3(0.0f));
+    if (extent.anyUvs) geometry.uvs.resize(extent.vertices, vec2(0.0f));
+    if (extent.anyColors) geometry.colors.resize(extent.vertices, vec3(1.0f));
+    geometry.triangles.resize(extent.primitives);
+    geometry.materials.resize(extent.primitives);
+}
+
+void checkCount(uint64_t primitives) {
+    if (primitives > 0x7ffffffe)
+        throw limitError("the scene has {} triangles and spheres with its instances written out; at most {} can be traced",
+                         primitives, 0x7ffffffe);
 }
 
 void transformVertices(const Mesh& mesh, const dmat4& toWorld, size_t first, Geometry& geometry) {
-    const glm::dmat3 linear(toWorld);
-    // Of the inverse transpose only the direction matters: the cofactors have it even where no inverse exists.
-    const glm::dmat3 cofactors(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
-                               glm::cross(linear[0], linear[1]));
-    const double side = glm::dot(linear[0], cofactors[0]) < 0.0 ? -1.0 : 1.0;
+    const Placement placement = placementOf(toWorld);
+    const NormalPlacement normalPlacement = normalPlacementOf(toWorld);
     parallelFor(mesh.positions.size(), 16384, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
-            geometry.positions[first + i] = placePoint(toWorld, mesh.positions[i]);
-            if (!mesh.normals.empty()) {
-                const dvec3 n = side * (cofactors * dvec3(mesh.normals[i]));
-                const double length = glm::length(n);
-                geometry.normals[first + i] = length > 0.0 && std::isfinite(length) ? vec3(n / length) : vec3(0.0f);
-            }
+            geometry.positions[first + i] = placePoint(placement, mesh.positions[i]);
+            if (!mesh.normals.empty()) geometry.normals[first + i] = placeNormal(normalPlacement, mesh.normals[i]);
             if (!mesh.uvs.empty()) geometry.uvs[first + i] = mesh.uvs[i];
             if (!mesh.colors.empty()) geometry.colors[first + i] = mesh.colors[i];
         }
@@ -42,16 +56,17 @@ void transformVertices(const Mesh& mesh, const dmat4& toWorld, size_t first, Geo
 /// Copies the triangles, offset to the instance's vertices. A mirroring transform swaps two corners, so that the front
 /// stays the front.
 void copyTriangles(const Mesh& mesh, const dmat4& toWorld, size_t firstVertex, size_t first, Geometry& geometry) {
-    const bool mirrors = glm::determinant(glm::dmat3(toWorld)) < 0.0;
+    const bool swaps = mirrors(toWorld);
     parallelFor(mesh.triangles.size(), 16384, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
             const uvec3 t = mesh.triangles[i] + static_cast<uint32_t>(firstVertex);
-            geometry.triangles[first + i] = mirrors ? uvec3(t.x, t.z, t.y) : t;
+            geometry.triangles[first + i] = swaps ? uvec3(t.x, t.z, t.y) : t;
             geometry.materials[first + i] = mesh.materials[i];
         }
     });
 }
 
+/// Writes out the mesh's spheres, as primitives from `first` on.
 void copySpheres(const Mesh& mesh, const dmat4& toWorld, size_t first, Geometry& geometry) {
     for (const Sphere& sphere : mesh.spheres) {
         geometry.triangles[first] = uvec3(geometry.spheres.size(), Geometry::noVertex, Geometry::noVertex);
@@ -61,38 +76,36 @@ void copySpheres(const Mesh& mesh, const dmat4& toWorld, size_t first, Geometry&
     }
 }
 
-void measureSphere(const Sphere& sphere, Box& bounds, Dropped& dropped) {
-    if (isUsableSphere(sphere.centre, sphere.radius)) {
-        bounds.grow(sphereBox(sphere.centre, sphere.radius));
-    } else if (isInRange(sphere.centre) && sphere.radius <= 0.0f) {
-        ++dropped.zeroArea;
-    } else {
-        ++dropped.nonFinite;
+/// Takes usable spheres into the bounds, and counts the others.
+void measureSpheres(std::span<const Sphere> spheres, Geometry& geometry) {
+    for (const Sphere& sphere : spheres) {
+        if (isUsableSphere(sphere.centre, sphere.radius))
+            geometry.bounds.grow(sphereBox(sphere.centre, sphere.radius));
+        else
+            ++(isInRange(sphere.centre) && sphere.radius <= 0.0f ? geometry.dropped.zeroArea : geometry.dropped.nonFinite);
     }
 }
 
-/// Fills in the bounds of the usable primitives and counts the others.
-void measure(Geometry& geometry) {
+/// True if the triangle is usable; if not, it is counted.
+bool isUsableOrCounted(const Geometry::Corners& t, Dropped& dropped) {
+    if (isUsable(t.a, t.b, t.c)) return true;
+    ++(isInRange(t.a) && isInRange(t.b) && isInRange(t.c) ? dropped.zeroArea : dropped.nonFinite);
+    return false;
+}
+
+/// Takes the usable ones of so many triangles into the bounds, and counts the others. `cornersOf(i)` are in the world.
+template <class CornersOf>
+void measure(size_t triangles, const CornersOf& cornersOf, Geometry& geometry) {
     std::mutex mutex;
-    parallelFor(geometry.triangles.size(), 16384, [&](size_t begin, size_t end) {
+    parallelFor(triangles, 16384, [&](size_t begin, size_t end) {
         Box bounds;
         Dropped dropped;
         for (size_t i = begin; i < end; ++i) {
-            const uvec3 t = geometry.triangles[i];
-            if (geometry.isSphere(static_cast<uint32_t>(i))) {
-                measureSphere(geometry.spheres[t.x], bounds, dropped);
-                continue;
-            }
-            const vec3 a = geometry.positions[t.x], b = geometry.positions[t.y], c = geometry.positions[t.z];
-            if (isUsable(a, b, c)) {
-                bounds.grow(a);
-                bounds.grow(b);
-                bounds.grow(c);
-            } else if (isInRange(a) && isInRange(b) && isInRange(c)) {
-                ++dropped.zeroArea;
-            } else {
-                ++dropped.nonFinite;
-            }
+            const Geometry::Corners t = cornersOf(i);
+            if (!isUsableOrCounted(t, dropped)) continue;
+            bounds.grow(t.a);
+            bounds.grow(t.b);
+            bounds.grow(t.c);
         }
         const std::lock_guard lock(mutex);
         geometry.bounds.grow(bounds);
@@ -101,13 +114,41 @@ void measure(Geometry& geometry) {
     });
 }
 
+/// Copies a mesh's arrays to where `stored` says.
+void storeMesh(const Mesh& mesh, const Geometry::Stored& stored, Geometry& geometry) {
+    std::ranges::copy(mesh.positions, geometry.positions.begin() + stored.firstVertex);
+    std::ranges::copy(mesh.normals, geometry.normals.begin() + (mesh.normals.empty() ? 0 : stored.firstVertex));
+    std::ranges::copy(mesh.uvs, geometry.uvs.begin() + (mesh.uvs.empty() ? 0 : stored.firstVertex));
+    std::ranges::copy(mesh.colors, geometry.colors.begin() + (mesh.colors.empty() ? 0 : stored.firstVertex));
+    for (size_t i = 0; i < mesh.triangles.size(); ++i)
+        geometry.triangles[stored.firstTriangle + i] = mesh.triangles[i] + stored.firstVertex;
+    for (uint32_t i = 0; i < stored.spheres; ++i)
+        geometry.triangles[stored.firstTriangle + stored.triangles + i] = {i, Geometry::noVertex, Geometry::noVertex};
+    std::ranges::copy(mesh.materials, geometry.materials.begin() + stored.firstTriangle);
+}
+
 }  // namespace
 
 Geometry::Place Geometry::place(uint32_t index) const {
-    RAIG_CHECK_OP(index, <, triangles.size());
+    RAIG_CHECK_OP(index, <, primitiveCount());
     const auto after = std::upper_bound(firstTriangle.begin(), firstTriangle.end(), index);
     const auto instance = static_cast<uint32_t>(after - firstTriangle.begin()) - 1;
     return {instance, index - firstTriangle[instance]};
+}
+
+size_t Geometry::storedTriangle(const Place& place) const {
+    if (!isInstanced()) return size_t{firstTriangle[place.instance]} + place.primitive;
+    return size_t{stored[placed[place.instance].mesh].firstTriangle} + place.primitive;
+}
+
+Geometry::Corners Geometry::corners(const Place& place) const {
+    const uvec3 t = triangles[storedTriangle(place)];
+    if (!isInstanced()) return {positions[t.x], positions[t.y], positions[t.z]};
+    const Placed& instance = placed[place.instance];
+    const vec3 a = placePoint(instance.placement, positions[t.x]);
+    const vec3 b = placePoint(instance.placement, positions[t.y]);
+    const vec3 c = placePoint(instance.placement, positions[t.z]);
+    return instance.mirrored ? Corners{a, c, b} : Corners{a, b, c};
 }
 
 std::optional<double> uniformScale(const dmat4& toWorld) {
@@ -126,41 +167,77 @@ std::optional<double> uniformScale(const dmat4& toWorld) {
 Sphere placeSphere(const dmat4& toWorld, const Sphere& sphere) {
     const std::optional<double> scale = uniformScale(toWorld);
     RAIG_CHECK(scale.has_value());
-    return {placePoint(toWorld, sphere.centre), static_cast<float>(*scale * sphere.radius)};
+    return {placePoint(placementOf(toWorld), sphere.centre), static_cast<float>(*scale * sphere.radius)};
 }
 
 Geometry flatten(const Scene& scene) {
-    const std::vector<size_t> firstVertex = firstVertices(scene);
-    size_t triangleCount = 0;
-    bool anyNormals = false, anyUvs = false, anyColors = false;
-    for (const Instance& instance : scene.instances) {
-        const Mesh& mesh = scene.meshes[instance.mesh];
-        triangleCount += mesh.primitiveCount();
-        anyNormals |= !mesh.normals.empty();
-        anyUvs |= !mesh.uvs.empty();
-        anyColors |= !mesh.colors.empty();
-    }
-    if (triangleCount > 0x7ffffffe || firstVertex.back() > 0xfffffffe)
-        throw limitError("the scene has {} triangles and spheres with its instances written out; at most {} can be traced",
-                         triangleCount, 0x7ffffffe);
+    Extent extent;
+    for (const Instance& instance : scene.instances) extent.add(scene.meshes[instance.mesh]);
+    checkCount(std::max(extent.primitives, extent.vertices / 2));
 
     Geometry geometry;
-    geometry.positions.resize(firstVertex.back());
-    if (anyNormals) geometry.normals.resize(firstVertex.back(), vec3(0.0f));
-    if (anyUvs) geometry.uvs.resize(firstVertex.back(), vec2(0.0f));
-    if (anyColors) geometry.colors.resize(firstVertex.back(), vec3(1.0f));
-    geometry.triangles.resize(triangleCount);
-    geometry.materials.resize(triangleCount);
+    makeRoom(extent, geometry);
     geometry.firstTriangle.push_back(0);
-    for (size_t i = 0; i < scene.instances.size(); ++i) {
-        const Instance& instance = scene.instances[i];
+    size_t firstVertex = 0;
+    for (const Instance& instance : scene.instances) {
         const Mesh& mesh = scene.meshes[instance.mesh];
-        transformVertices(mesh, instance.toWorld, firstVertex[i], geometry);
-        copyTriangles(mesh, instance.toWorld, firstVertex[i], geometry.firstTriangle.back(), geometry);
+        transformVertices(mesh, instance.toWorld, firstVertex, geometry);
+        copyTriangles(mesh, instance.toWorld, firstVertex, geometry.firstTriangle.back(), geometry);
         copySpheres(mesh, instance.toWorld, geometry.firstTriangle.back() + mesh.triangles.size(), geometry);
         geometry.firstTriangle.push_back(geometry.firstTriangle.back() + static_cast<uint32_t>(mesh.primitiveCount()));
+        firstVertex += mesh.positions.size();
     }
-    measure(geometry);
+    const auto cornersOf = [&](size_t i) {
+        const uvec3 t = geometry.triangles[i];
+        return Geometry::Corners{geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z]};
+    };
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const size_t first = geometry.firstTriangle[i];
+        measure(scene.meshes[scene.instances[i].mesh].triangles.size(), [&](size_t k) { return cornersOf(first + k); }, geometry);
+    }
+    measureSpheres(geometry.spheres, geometry);
+    geometry.dropped.other = scene.otherPrimitives;
+    return geometry;
+}
+
+Geometry gatherInstances(const Scene& scene) {
+    Geometry geometry;
+    std::vector<uint8_t> used(scene.meshes.size());
+    uint64_t written = 0;
+    for (const Instance& instance : scene.instances) {
+        used[instance.mesh] = 1;
+        written += scene.meshes[instance.mesh].primitiveCount();
+    }
+    checkCount(written);
+    Extent extent;
+    geometry.stored.resize(scene.meshes.size());
+    for (size_t i = 0; i < scene.meshes.size(); ++i) {
+        if (used[i] == 0) continue;
+        const Mesh& mesh = scene.meshes[i];
+        checkCount(std::max(extent.primitives, extent.vertices / 2));
+        geometry.stored[i] = {static_cast<uint32_t>(extent.vertices), static_cast<uint32_t>(mesh.positions.size()),
+                              static_cast<uint32_t>(extent.primitives), static_cast<uint32_t>(mesh.triangles.size()),
+                              static_cast<uint32_t>(mesh.spheres.size())};
+        extent.add(mesh);
+    }
+    checkCount(std::max(extent.primitives, extent.vertices / 2));
+    makeRoom(extent, geometry);
+    for (size_t i = 0; i < scene.meshes.size(); ++i)
+        if (used[i] != 0) storeMesh(scene.meshes[i], geometry.stored[i], geometry);
+
+    geometry.firstTriangle.push_back(0);
+    for (const Instance& instance : scene.instances) {
+        const Geometry::Stored& stored = geometry.stored[instance.mesh];
+        const auto index = static_cast<uint32_t>(geometry.placed.size());
+        geometry.placed.push_back({instance.mesh, static_cast<uint32_t>(geometry.spheres.size()), mirrors(instance.toWorld),
+                                   placementOf(instance.toWorld), normalPlacementOf(instance.toWorld)});
+        for (const Sphere& sphere : scene.meshes[instance.mesh].spheres)
+            geometry.spheres.push_back(placeSphere(instance.toWorld, sphere));
+        const auto cornersOf = [&](size_t i) { return geometry.corners({index, static_cast<uint32_t>(i)}); };
+        measure(stored.triangles, cornersOf, geometry);
+        geometry.firstTriangle.push_back(geometry.firstTriangle.back() + stored.triangles + stored.spheres);
+    }
+    measureSpheres(geometry.spheres, geometry);
     geometry.dropped.other = scene.otherPrimitives;
     return geometry;
 }

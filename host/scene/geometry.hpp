@@ -1,7 +1,8 @@
-/// The scene's triangles and spheres in the world, each instance written out: what rays meet.
+/// The scene's triangles and spheres in the world: what rays meet.
 #pragma once
 
 #include "base/triangle.hpp"
+#include "scene/placement.hpp"
 #include "scene/scene.hpp"
 
 #include <optional>
@@ -9,26 +10,51 @@
 
 namespace raig {
 
-/// World-space primitives of all instances, in order of instance, then of the mesh's primitives: the index here is the
-/// global id by which ties are settled. World positions are rounded once, from a product in double precision.
+/// Primitives of all instances, in order of instance, then of the mesh's primitives: the index in this order is the global id by
+/// which ties are settled. World positions and normals are those of shaders/shared/place.glsl.
 /// An instance that mirrors keeps its fronts: corners 1 and 2 of its triangles, and so u and v, change places there.
-/// Vertices are stored once an instance. `normals`, `uvs` and `colors` are empty if no mesh has them.
+///
+/// Written out (flatten), the arrays hold every instance's vertices and primitives, in the world: the index of a primitive is its
+/// global id. As instances (gatherInstances), they hold every mesh once, in its own space, corners in the mesh's order, and
+/// `placed` says where it stands; only spheres are in the world in either form, each instance's.
+/// `normals`, `uvs` and `colors` are empty if no mesh has them.
 struct Geometry {
     std::vector<vec3> positions;
-    std::vector<vec3> normals;          ///< unit, or zero where the mesh has none: use the face's own
+    std::vector<vec3> normals;            ///< unit, or zero where the mesh has none: use the face's own
     std::vector<vec2> uvs;
     std::vector<vec3> colors;
-    std::vector<uvec3> triangles;  ///< by global id; of a sphere (its index in `spheres`, noVertex, noVertex)
+    std::vector<uvec3> triangles;         ///< of a sphere (its index in `spheres` or, as instances, in the mesh; noVertex, noVertex)
     std::vector<Sphere> spheres;
     std::vector<uint32_t> materials;      ///< one a primitive
     std::vector<uint32_t> firstTriangle;  ///< id of each instance's first primitive, and the total at the end
-    Box bounds;                           ///< of the usable primitives
+    Box bounds;                           ///< of the usable primitives, in the world
     Dropped dropped;
 
+    /// What is stored of a mesh: ranges of the arrays.
+    struct Stored {
+        uint32_t firstVertex = 0, vertices = 0;
+        uint32_t firstTriangle = 0, triangles = 0;
+        uint32_t spheres = 0;  ///< their entries follow the triangles'
+    };
+    /// One a scene's instance.
+    struct Placed {
+        uint32_t mesh = 0;
+        uint32_t firstSphere = 0;
+        bool mirrored = false;
+        Placement placement;
+        NormalPlacement normalPlacement;
+    };
+    std::vector<Stored> stored;  ///< one a mesh of the scene; empty if written out
+    std::vector<Placed> placed;  ///< empty if written out
+
     static constexpr uint32_t noVertex = 0xffffffffu;
+    bool isInstanced() const { return !stored.empty(); }
+    uint32_t primitiveCount() const { return firstTriangle.empty() ? 0 : firstTriangle.back(); }
+    size_t triangleCount() const { return primitiveCount() - spheres.size(); }
+
+    /// Of a primitive with this id. Requires the form that is written out.
     bool isSphere(uint32_t id) const { return triangles[id].y == noVertex; }
     const Sphere& sphere(uint32_t id) const { return spheres[triangles[id].x]; }
-    size_t triangleCount() const { return triangles.size() - spheres.size(); }
 
     struct Place {
         uint32_t instance;
@@ -36,10 +62,15 @@ struct Geometry {
     };
     /// The instance and the primitive of its mesh that global primitive `index` is. Cost O(log instances).
     Place place(uint32_t index) const;
+    /// The index in `triangles` and `materials` of a place.
+    size_t storedTriangle(const Place& place) const;
+    bool isSphere(const Place& place) const { return triangles[storedTriangle(place)].y == noVertex; }
+    /// The corners, in the world, of a triangle.
+    struct Corners {
+        vec3 a, b, c;
+    };
+    Corners corners(const Place& place) const;
 };
-
-/// Where an instance puts a vertex: the product in double precision, rounded once.
-inline vec3 placePoint(const dmat4& toWorld, const vec3& point) { return vec3(dvec3(toWorld * dvec4(point, 1.0))); }
 
 /// The factor by which a transform scales all lengths; nothing if they differ by more than 2^-16 of it, as rounded rotations
 /// do not. 0 for one that maps everything to a point.
@@ -51,5 +82,9 @@ Sphere placeSphere(const dmat4& toWorld, const Sphere& sphere);
 
 /// Writes out every instance. Cost O(primitives). Throws limitError beyond 2^31 - 2 primitives.
 Geometry flatten(const Scene& scene);
+
+/// Keeps every instance. The same ids, bounds and counts as flatten's. Cost O(primitives, written out), memory O(triangles of the
+/// meshes, and spheres written out). Throws limitError as flatten does.
+Geometry gatherInstances(const Scene& scene);
 
 }  // namespace raig
