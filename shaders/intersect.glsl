@@ -63,6 +63,43 @@ float distanceOutside(WalkRay ray, float unit, float t) {
     return result;
 }
 
+// The axis of the largest component, and its magnitude.
+float findMainAxis(vec3 direction, INOUT(uint) axis) {
+    vec3 size = vec3(abs(direction.x), abs(direction.y), abs(direction.z));
+    bool zLargest = size.z >= size.x && size.z >= size.y;
+    axis = zLargest ? 2u : (size.x >= size.y ? 0u : 1u);
+    return zLargest ? size.z : (size.x >= size.y ? size.x : size.y);
+}
+
+// M: the largest distance along an axis from `origin` to the bounds.
+float distanceToBounds(vec3 origin, vec3 lo, vec3 hi) {
+    precise vec3 toLo = lo - origin;
+    precise vec3 toHi = hi - origin;
+    float m = abs(toLo.x);
+    m = abs(toLo.y) > m ? abs(toLo.y) : m;
+    m = abs(toLo.z) > m ? abs(toLo.z) : m;
+    m = abs(toHi.x) > m ? abs(toHi.x) : m;
+    m = abs(toHi.y) > m ? abs(toHi.y) : m;
+    m = abs(toHi.z) > m ? abs(toHi.z) : m;
+    return m;
+}
+
+// What follows from a ray's direction, whose largest component is `largest`, and its slack, 1/64 of which is `slackUnit`.
+void completeRay(INOUT(WalkRay) r, float largest, float slackUnit) {
+    precise vec3 inverse = vec3(1.0f / steep(r.direction.x, largest), 1.0f / steep(r.direction.y, largest),
+                                1.0f / steep(r.direction.z, largest));
+    r.inverse = inverse;
+    precise vec3 reach = vec3(abs(inverse.x), abs(inverse.y), abs(inverse.z)) * (slackUnit * 64.0f);
+    r.reach = reach;
+    r.tolerance = slackUnit * 16.0f;
+
+    vec3 d = turned(r.direction, r.axisZ);
+    precise vec2 shear = vec2(d.x / d.z, d.y / d.z);
+    precise float inverseZ = 1.0f / d.z;
+    r.shear = shear;
+    r.inverseZ = inverseZ;
+}
+
 // Makes a ray ready. `lo` and `hi` bound the scene in its unit.
 //
 // SLACK is 64 u M, M the largest distance along an axis from the ray's origin to the scene's bounds. The shear of a triangle's
@@ -72,10 +109,7 @@ float distanceOutside(WalkRay ray, float unit, float t) {
 // And so with spheres, whose hits lie within 53 u M of their surfaces (sphere.glsl).
 WalkRay prepareRay(Ray ray, vec3 lo, vec3 hi, float unit) {
     WalkRay r;
-    vec3 size = vec3(abs(ray.direction.x), abs(ray.direction.y), abs(ray.direction.z));
-    bool zLargest = size.z >= size.x && size.z >= size.y;
-    r.axisZ = zLargest ? 2u : (size.x >= size.y ? 0u : 1u);
-    float largest = zLargest ? size.z : (size.x >= size.y ? size.x : size.y);
+    float largest = findMainAxis(ray.direction, r.axisZ);
     precise vec3 origin = ray.origin * unit;
     r.valid = isWithin(ray.origin, LARGEST_COORDINATE) && isWithin(origin, LARGEST_COORDINATE) && 
               isWithin(ray.direction, LARGEST_FLOAT) && largest >= SMALLEST_NORMAL && ray.tMax >= 0.0f &&
@@ -90,28 +124,9 @@ WalkRay prepareRay(Ray ray, vec3 lo, vec3 hi, float unit) {
     r.tMin = ray.tMin > 0.0f ? distanceInside(r, unit, ray.tMin) : 0.0f;
     r.tMax = distanceInside(r, unit, ray.tMax);
 
-    precise vec3 inverse = vec3(1.0f / steep(direction.x, largest), 1.0f / steep(direction.y, largest),
-                                1.0f / steep(direction.z, largest));
-    r.inverse = inverse;
     r.direction = direction;
-    precise vec3 toLo = lo - r.origin;
-    precise vec3 toHi = hi - r.origin;
-    float m = abs(toLo.x);
-    m = abs(toLo.y) > m ? abs(toLo.y) : m;
-    m = abs(toLo.z) > m ? abs(toLo.z) : m;
-    m = abs(toHi.x) > m ? abs(toHi.x) : m;
-    m = abs(toHi.y) > m ? abs(toHi.y) : m;
-    m = abs(toHi.z) > m ? abs(toHi.z) : m;
-    precise float slackUnit = m * 5.9604644775390625e-8f;  // M u
-    precise vec3 reach = vec3(abs(inverse.x), abs(inverse.y), abs(inverse.z)) * (slackUnit * 64.0f);
-    r.reach = reach;
-    r.tolerance = slackUnit * 16.0f;
-
-    vec3 d = turned(direction, r.axisZ);
-    precise vec2 shear = vec2(d.x / d.z, d.y / d.z);
-    precise float inverseZ = 1.0f / d.z;
-    r.shear = shear;
-    r.inverseZ = inverseZ;
+    precise float slackUnit = distanceToBounds(r.origin, lo, hi) * 5.9604644775390625e-8f;  // M u
+    completeRay(r, largest, slackUnit);
     return r;
 }
 

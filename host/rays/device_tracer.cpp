@@ -22,6 +22,7 @@ constexpr uint32_t mostRaysAtOnce = 1u << 20;  // of trace(): 48 MiB of rays and
 // below the 65,535 after which Mesa 22.3's llvmpipe silently stops looping.
 constexpr uint32_t wholeSteps = 512;  // few walks are longer, and then a few long ones would keep many short ones waiting
 constexpr uint32_t firstSteps = 64;
+constexpr uint32_t instancedFactor = 16;  // through two levels these are so many times longer: rounds are counted by their most
 constexpr uint32_t mostSteps = 16384;
 
 /// Push constants of shaders/trace.comp.in.
@@ -35,7 +36,8 @@ struct Push {
 struct Pause {
     uvec4 at;
     uint32_t ray;
-    std::array<uint32_t, 3> padding;
+    uint32_t top;
+    std::array<uint32_t, 2> padding;
 };
 
 /// Where shaders/trace.comp.in counts.
@@ -99,13 +101,17 @@ class VulkanTracer : public DeviceTracer {
 public:
     VulkanTracer(Device& device, const Structure& structure, bool counting)
         : device_(device),
-          name_("trace_" + std::string(structure.walkFile()) + (device.loadsTexel() ? "_texel" : "_storage")),
+          name_("trace_" + std::string(structure.walkFile()) + (structure.isInstanced() ? "_instanced" : "") +
+                (device.loadsTexel() ? "_texel" : "_storage")),
           walk_(structure.header.walk),
           mostSteps_(mostStepsOf(structure)),
           corrupt_(structure),
           counting_(counting),
-          paired_(device.loadsTexel()),
+          instanced_(structure.isInstanced()),
+          paired_(device.loadsTexel() && !instanced_),
           spheres_(structure.hasSpheres()),
+          wholeSteps_(instanced_ ? wholeSteps * instancedFactor : wholeSteps),
+          firstSteps_(instanced_ ? firstSteps * instancedFactor : firstSteps),
           header_(device, sizeof(StructureHeader)),
           nodes_(device, std::as_bytes(std::span(structure.nodes))),
           triangles_(device, std::as_bytes(std::span(structure.triangles))),
@@ -154,11 +160,11 @@ private:
         for (uint32_t first = 0; first < count;) {
             if (!stages.pausing) {
                 SizedKernel& whole = kernelFor(query, shadows, Stage::whole);
-                const uint32_t some = std::min(whole.size.rays(wholeSteps), count - first);
+                const uint32_t some = std::min(whole.size.rays(wholeSteps_), count - first);
                 bind(whole.kernel, rays, hits);
                 // Saving state costs every ray; so it is done only once a structure has shown that it needs it.
                 const WalkCounters before = report.counters;
-                stages.pausing = dispatch(whole, {first, some, wholeSteps}, report) > 0;
+                stages.pausing = dispatch(whole, {first, some, wholeSteps_}, report) > 0;
                 if (stages.pausing)
                     report.counters = before;
                 else
@@ -166,8 +172,8 @@ private:
             } else {
                 SizedKernel& beginning = kernelFor(query, shadows, Stage::beginning);
                 SizedKernel& resuming = kernelFor(query, shadows, Stage::resuming);
-                const uint32_t some = std::min(beginning.size.rays(firstSteps), count - first);
-                traceInPieces(beginning, resuming, rays, hits, {first, some, firstSteps}, report);
+                const uint32_t some = std::min(beginning.size.rays(firstSteps_), count - first);
+                traceInPieces(beginning, resuming, rays, hits, {first, some, firstSteps_}, report);
                 first += some;
             }
         }
@@ -255,8 +261,11 @@ private:
     uint64_t mostSteps_;         // of a walk; one that makes more goes around
     CorruptStructure corrupt_;
     bool counting_;
+    bool instanced_;
     bool paired_;  // two rays an invocation: llvmpipe computes one while it waits for the other
     bool spheres_;
+    uint32_t wholeSteps_;
+    uint32_t firstSteps_;
     Buffer header_;
     BigArray nodes_;
     BigArray triangles_;

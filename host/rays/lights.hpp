@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/geometry.hpp"
+#include "structures/structure.hpp"
 
 #include <vector>
 
@@ -18,8 +19,12 @@ struct Emitter {
 /// once. Empty if nothing emits. Cost O(triangles) where a material emits, else O(materials).
 std::vector<Emitter> listEmitters(const Scene& scene, const Geometry& geometry);
 
-/// One byte a primitive: 1 where the surface lets light through, and so is no obstacle to shadow rays. Empty if there are
-/// none.
+/// One byte a primitive of geometry.triangles: 1 where the surface lets light through, and so is no obstacle to shadow rays.
+/// Empty if there are none.
 std::vector<uint8_t> findSeeThrough(const Scene& scene, const Geometry& geometry);
+
+/// Marks the references to them as no obstacle to shadow rays. Requires a structure of the geometry's triangles, of one level or
+/// two; of two, geometry.isInstanced(). O(references), for those with global ids O(log instances) each.
+void markSeeThrough(const Scene& scene, const Geometry& geometry, Structure& structure);
 
 }  // namespace raig

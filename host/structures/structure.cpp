@@ -80,11 +80,19 @@ std::string_view Structure::walkFile() const {
 }
 
 void Structure::markSeeThrough(std::span<const uint8_t> seeThrough) {
-    for (size_t i = 0; i < triangles.size(); i += shared::TRIANGLE_STRIDE) {
-        const uint32_t id = triangles[i].w;
+    RAIG_CHECK(!isInstanced());
+    markSeeThrough([&](uint32_t id) {
         RAIG_CHECK_OP(id, <, seeThrough.size());
-        uint32_t& flags = triangles[i + 1].w;
-        flags = (flags & shared::TRIANGLE_SPHERE) | (seeThrough[id] != 0 ? shared::TRIANGLE_SEE_THROUGH : 0);
+        return seeThrough[id] != 0;
+    });
+}
+
+void Structure::markSeeThrough(const std::function<bool(uint32_t)>& isSeeThrough, uint64_t first, uint64_t count) {
+    const uint64_t all = triangles.size() / shared::TRIANGLE_STRIDE;
+    for (uint64_t i = first; i < first + std::min(count, all - first); ++i) {
+        uvec4* reference = &triangles[i * shared::TRIANGLE_STRIDE];
+        uint32_t& flags = reference[1].w;
+        flags = (flags & shared::TRIANGLE_SPHERE) | (isSeeThrough(reference[0].w) ? shared::TRIANGLE_SEE_THROUGH : 0);
     }
 }
 

@@ -6,6 +6,7 @@
 #include "base/vectors.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <optional>
 #include <span>
@@ -84,6 +85,14 @@ struct StructureStatistics {
     double seconds = 0.0;     ///< to build
 };
 
+/// The structure of one mesh that is stored once, or of all that is written out.
+struct Bottom {
+    static constexpr uint32_t writtenOut = 0xffffffffu;
+    uint32_t mesh = writtenOut;   ///< ids of its references are triangles of this mesh; or global ids
+    uint64_t firstReference = 0;  ///< in Structure::triangles, in references
+    uint64_t references = 0;
+};
+
 /// A built structure: a value. The meaning of `nodes` belongs to the structure's own pair of host/structures/NAME.cpp and
 /// shaders/structures/NAME.glsl.
 struct Structure {
@@ -93,6 +102,9 @@ struct Structure {
     std::vector<uvec4> nodes;
     std::vector<uvec4> triangles;  ///< three a reference (shaders/shared/structure.glsl)
     StructureStatistics statistics;
+    /// Of two levels (structures/two_level.hpp): whose references lie where in `triangles`. Empty: there is one level.
+    std::vector<Bottom> bottoms;
+    uint32_t instances = 0;  ///< of two levels: how many there are
     std::vector<std::string> remarks;  ///< what a person should know, such as that the memory budget stopped the builder
 
     /// The file of shaders/structures/ that has its walk, without its ending: of the structure's name, and for some walks of bvh
@@ -100,11 +112,16 @@ struct Structure {
     std::string_view walkFile() const;
 
     /// Marks the references to primitives i with seeThrough[i] != 0 as no obstacle to shadow rays.
-    /// Requires a flag for each primitive that the structure was built over.
+    /// Requires a flag for each primitive that the structure was built over, and one level.
     void markSeeThrough(std::span<const uint8_t> seeThrough);
+    /// The same of references [first, first + count), for ids for which `isSeeThrough` holds.
+    void markSeeThrough(const std::function<bool(uint32_t)>& isSeeThrough, uint64_t first = 0, uint64_t count = ~uint64_t{0});
 
     /// True if a reference is a sphere: walks that need not test any are compiled without. O(references), in parallel.
     bool hasSpheres() const;
+
+    /// True if the arrays hold two levels, as shared/structure.glsl describes.
+    bool isInstanced() const { return !bottoms.empty(); }
 };
 
 /// One line of registry.def: how a structure is built and checked.

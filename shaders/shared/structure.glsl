@@ -43,4 +43,23 @@ const uint BVH_END_NODES = 7u;
 const uint WALK_RESTART = 0u;      // no stack
 const uint WALK_SHORT_STACK = 1u;  // one of two entries
 
+// Two levels: meshes that stand in several places have one structure each, a bottom, in their own space. All bottoms are of one
+// kind and walk. The header is the whole scene's: its nodeCount that of one copy of the top tree, its triangleCount that of all
+// references. The array of nodes begins with, one after the other:
+//   the top tree   depth first, with skip links, over the boxes of instances, in the scene's unit; two uvec4 a node: lower corner,
+//                  word; upper corner, 0. The word is the skip link, or TOP_LEAF | an instance. One copy for each octant of
+//                  directions, or one for all: gridStep.x is how many nodes the copies are apart (0: there is one).
+//   instances      INSTANCE_STRIDE uvec4 each, see below; the first lies at INSTANCES_UNIT times gridStep.y
+//   bottoms        BOTTOM_STRIDE uvec4 each: a StructureHeader, and where its nodes and its references begin, in uvec4
+// and then the bottoms' nodes.
+const uint TOP_LEAF = 0x80000000u;
+const uint BOTTOM_STRIDE = 5u;
+const uint INSTANCES_UNIT = 64u;  // so that a float holds where instances begin
+
+// An instance, all bits of floats but for the words: the Placement of the bottom's unit in the scene's; three rows of its inverse's
+// linear part, and in .w a point in the bottom's space; where that point is in the scene, and the first id; then a word: where its
+// bottom lies, in uvec4; a word: INSTANCE_* flags; and two numbers for the slack (host/structures/two_level.cpp).
+const uint INSTANCE_STRIDE = 8u;
+const uint INSTANCE_MIRRORS = 1u;  // corners 1 and 2 change places
+
 #endif

@@ -1,0 +1,66 @@
+/// Two levels: a structure for each mesh that stands in several places, and a tree over the places.
+///
+/// Memory grows with the triangles that are stored, not with those that the scene would have written out; and each ray gets the
+/// same hit, to the bit, as from the scene written out. For that, triangles are placed while tracing, by the very formula that
+/// writes instances out (shaders/shared/place.glsl), and tested in the world. Only bounds are walked in a mesh's own space, with
+/// slack for what rounds on the way (shaders/instances.glsl).
+///
+/// What cannot be kept so is written out, into one more structure of the same kind:
+///   - spheres, which take no more than an instance;
+///   - meshes that stand in one place, or that the caller does not want kept;
+///   - instances whose transform cannot be inverted, or so badly that the slack would swell (see fits() in two_level.cpp);
+///   - triangles that are usable in some places of their mesh only (rounding may make slivers collinear, or keep them from it),
+///     and those whose placing, in the structure's units of length, would leave the range of normal floats.
+///
+/// The layout is described in shaders/shared/structure.glsl; all structures of registry.def can be the bottoms.
+/// Source: Wald, Benthin, Slusallek 2003, "Distributed Interactive Ray Tracing of Dynamic Scenes" (two levels).
+#pragma once
+
+#include "structures/structure.hpp"
+
+namespace raig {
+
+namespace shared {
+#include "shared/place.glsl"
+}  // namespace shared
+
+/// A mesh in its own space: `triangles` name vertices of `positions`, of which it uses [firstVertex, firstVertex + vertices).
+struct StoredMesh {
+    std::span<const uvec3> triangles;
+    uint32_t firstVertex = 0;
+    uint32_t vertices = 0;
+    bool keeps = true;  ///< false: its instances are to be written out
+};
+
+/// A mesh in its place. Its triangles have the ids from firstId on.
+struct PlacedMesh {
+    uint32_t mesh = 0;
+    uint32_t firstId = 0;
+    shared::Placement placement;
+    bool mirrored = false;
+};
+
+/// What is written out in any case: a sphere of some instance, in the world.
+struct PlacedPrimitive {
+    Primitive primitive;
+    uint32_t id = 0;
+};
+
+struct PlacedScene {
+    std::span<const vec3> positions;
+    std::vector<StoredMesh> meshes;
+    std::vector<PlacedMesh> instances;
+    std::vector<PlacedPrimitive> others;
+    Box bounds;  ///< of all usable primitives, in the world
+};
+
+/// Builds both levels, the bottoms by `type`; or, where nothing is kept, the one level of what is written out.
+/// O(triangles written out) time, O(triangles stored) memory. Throws what the builder throws, and limitError where the arrays
+/// exceed 2^32 elements.
+Structure buildTwoLevels(const PlacedScene& scene, const StructureType& type, const BuildParams& params);
+
+/// True if a bottom of these bounds (in its unit) may be kept under `inner`, its unit's transform to the scene's unit, where the
+/// scene's extent is `extent`. See two_level.cpp.
+bool fits(const shared::Placement& inner, const Box& bounds, float extent);
+
+}  // namespace raig
