@@ -3,6 +3,7 @@
 #include "shared/rays.glsl"
 #include "shared/frame.glsl"
 #include "shared/load.glsl"
+#include "shared/place.glsl"
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 1) const uint FEATURES = 0;  // FEATURE_* of what the scene has

@@ -78,9 +78,9 @@ ShadowRay emitterRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key) {
     uvec4 emitter = scene_at(frame.emittersAt + index);
     float below = 0.0f;
     if (index > 0u) below = uintBitsToFloat(scene_at(frame.emittersAt + index - 1u).x);
-    uvec4 triangle = scene_at(frame.trianglesAt + emitter.y);
-    Corners corners = cornersOf(triangle);
-    vec3 emission = xyzOf(scene_at(frame.materialsAt + triangle.w * MATERIAL_STRIDE + 4u));
+    Facet facet = facetOf(emitter.y);
+    Corners corners = cornersOf(facet);
+    vec3 emission = xyzOf(scene_at(frame.materialsAt + facet.triangle.w * MATERIAL_STRIDE + 4u));
 
     precise float r = sqrt(square.x);
     precise float b1 = r * (1.0f - square.y);

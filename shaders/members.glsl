@@ -18,7 +18,7 @@ void putAll(FrameParams s) {
     put(s.ground); put(s.samples); put(s.ambient); put(s.seed); put(s.maxDepth); put(s.slots);
     put(s.lightCount); put(s.emitterCount); put(s.shadowRays); put(s.materialsAt); put(s.lightsAt); put(s.emittersAt);
     put(s.trianglesAt); put(s.verticesAt); put(s.vertexStride); put(s.texturesAt); put(s.decodeAt);
-    put(s.spheresAt); put(s.unused0); put(s.unused1);
+    put(s.spheresAt); put(s.instancesAt); put(s.instanceCount);
 }
 
 void putAll(TileStep s) { put(s.count); put(s.listAt); put(s.nextAt); put(s.compacts); put(s.firstPixel); }

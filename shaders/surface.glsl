@@ -1,7 +1,7 @@
 // What a ray finds where it hits: the point, the normals, and the surface in the terms of host/scene/surface.hpp.
 //
-// Whoever includes this declares `frame`, scene_at(i) and the constant FEATURES before it, and includes spawn.glsl and
-// texture.glsl.
+// Whoever includes this declares `frame`, scene_at(i) and the constant FEATURES before it, and includes shared/place.glsl,
+// spawn.glsl and texture.glsl.
 
 struct SurfacePoint {
     BoundedPoint at;
@@ -19,28 +19,77 @@ struct SurfacePoint {
     vec3 emission;
 };
 
-// A triangle's corners: of each the position and, in .w, whatever lies beside it.
 struct Corners {
     vec3 a;
     vec3 b;
     vec3 c;
 };
 
+// A triangle as it is stored, its corners in the order that they have in the world, and the element of its instance, if there are
+// instances.
+struct Facet {
+    uvec4 triangle;
+    uint instance;
+};
+
 vec3 xyzOf(uvec4 v) { return vec3(uintBitsToFloat(v.x), uintBitsToFloat(v.y), uintBitsToFloat(v.z)); }
+vec4 rowOf(uvec4 v) { return vec4(xyzOf(v), uintBitsToFloat(v.w)); }
 
 uint vertexElement(uint vertex) { return frame.verticesAt + vertex * frame.vertexStride; }
 
-Corners cornersOf(uvec4 triangle) {
-    return Corners(xyzOf(scene_at(vertexElement(triangle.x))), xyzOf(scene_at(vertexElement(triangle.y))),
-                   xyzOf(scene_at(vertexElement(triangle.z))));
+// The instance that triangle `id` is of: the last whose first id is not greater.
+uint instanceOf(uint id) {
+    uint low = 0u;
+    uint high = frame.instanceCount - 1u;
+    for (uint i = 0u; i < 32u && low < high; ++i) {
+        uint middle = high - (high - low) / 2u;
+        bool after = scene_at(frame.instancesAt + middle * FRAME_INSTANCE_STRIDE + 3u).w > id;
+        low = after ? low : middle;
+        high = after ? middle - 1u : high;
+    }
+    return frame.instancesAt + low * FRAME_INSTANCE_STRIDE;
+}
+
+// Triangle or sphere `id`, its global one.
+Facet facetOf(uint id) {
+    if ((FEATURES & FEATURE_INSTANCES) == 0u) return Facet(scene_at(frame.trianglesAt + id), 0u);
+    uint instance = instanceOf(id);
+    uvec4 stored = scene_at(frame.trianglesAt + scene_at(instance + 4u).w + id);
+    uint word = scene_at(instance + 5u).w;
+    bool mirrored = (word & 1u) != 0u;
+    bool isSphere = (FEATURES & FEATURE_SPHERES) != 0u && stored.y == NO_VERTEX;
+    uint first = isSphere ? stored.x + (word >> 1) : stored.x;
+    return Facet(uvec4(first, mirrored ? stored.z : stored.y, mirrored ? stored.y : stored.z, stored.w), instance);
+}
+
+// Where they are in the world.
+Corners cornersOf(Facet facet) {
+    vec3 a = xyzOf(scene_at(vertexElement(facet.triangle.x)));
+    vec3 b = xyzOf(scene_at(vertexElement(facet.triangle.y)));
+    vec3 c = xyzOf(scene_at(vertexElement(facet.triangle.z)));
+    if ((FEATURES & FEATURE_INSTANCES) == 0u) return Corners(a, b, c);
+    Placement placement = Placement(rowOf(scene_at(facet.instance)), rowOf(scene_at(facet.instance + 1u)),
+                                    rowOf(scene_at(facet.instance + 2u)));
+    return Corners(placePoint(placement, a), placePoint(placement, b), placePoint(placement, c));
+}
+
+Corners vertexNormals(Facet facet) {
+    vec3 a = xyzOf(scene_at(vertexElement(facet.triangle.x) + 1u));
+    vec3 b = xyzOf(scene_at(vertexElement(facet.triangle.y) + 1u));
+    vec3 c = xyzOf(scene_at(vertexElement(facet.triangle.z) + 1u));
+    if ((FEATURES & FEATURE_INSTANCES) == 0u) return Corners(a, b, c);
+    NormalPlacement placement = NormalPlacement(xyzOf(scene_at(facet.instance + 3u)), xyzOf(scene_at(facet.instance + 4u)),
+                                                xyzOf(scene_at(facet.instance + 5u)));
+    return Corners(placeNormal(placement, a), placeNormal(placement, b), placeNormal(placement, c));
 }
 
 // The shading normal for a ray of unit direction d: the vertices' normals interpolated, on the side of n. n itself where a
 // vertex has none, where they cancel, and where the ray would meet the interpolated one from behind.
-vec3 shadingNormal(uvec4 triangle, vec3 b, vec3 d, vec3 n) {
-    vec3 n0 = xyzOf(scene_at(vertexElement(triangle.x) + 1u));
-    vec3 n1 = xyzOf(scene_at(vertexElement(triangle.y) + 1u));
-    vec3 n2 = xyzOf(scene_at(vertexElement(triangle.z) + 1u));
+vec3 shadingNormal(Facet facet, vec3 b, vec3 d, vec3 n) {
+    Corners normals = vertexNormals(facet);
+    vec3 n0 = normals.a;
+    vec3 n1 = normals.b;
+    vec3 n2 = normals.c;
     precise vec3 sum = b.x * n0 + b.y * n1 + b.z * n2;
     bool missing = dot(n0, n0) == 0.0f || dot(n1, n1) == 0.0f || dot(n2, n2) == 0.0f;
     if (missing || sqrt(dot(sum, sum)) < 1e-3f) return n;
@@ -73,8 +122,9 @@ vec3 tintAt(uvec4 triangle, vec3 b, uint texture_) {
 }
 
 // Where the ray meets the triangle, with its normals. Returns the tint.
-vec3 meetTriangle(uvec4 triangle, uint texture_, Ray ray, Hit hit, INOUT(SurfacePoint) p) {
-    Corners corners = cornersOf(triangle);
+vec3 meetTriangle(Facet facet, uint texture_, Ray ray, Hit hit, INOUT(SurfacePoint) p) {
+    uvec4 triangle = facet.triangle;
+    Corners corners = cornersOf(facet);
     precise float b0 = 1.0f - hit.u - hit.v;
     vec3 b = vec3(b0, hit.u, hit.v);
     p.at = pointOf(corners.a, corners.b, corners.c, hit.u, hit.v);
@@ -82,7 +132,7 @@ vec3 meetTriangle(uvec4 triangle, uint texture_, Ray ray, Hit hit, INOUT(Surface
     p.front = dot(ray.direction, faced) < 0.0f;
     p.normal = p.front ? faced : -faced;
     p.shading = p.normal;
-    if ((FEATURES & FEATURE_NORMALS) != 0u) p.shading = shadingNormal(triangle, b, ray.direction, p.normal);
+    if ((FEATURES & FEATURE_NORMALS) != 0u) p.shading = shadingNormal(facet, b, ray.direction, p.normal);
     return tintAt(triangle, b, texture_);
 }
 
@@ -102,7 +152,8 @@ vec3 meetSphere(uvec4 triangle, Ray ray, Hit hit, INOUT(SurfacePoint) p) {
 
 // What `ray` (unit direction) finds at `hit`. Requires hit.primitive != NO_HIT.
 SurfacePoint surfaceAt(Ray ray, Hit hit) {
-    uvec4 triangle = scene_at(frame.trianglesAt + hit.primitive);
+    Facet facet = facetOf(hit.primitive);
+    uvec4 triangle = facet.triangle;
     uint material = frame.materialsAt + triangle.w * MATERIAL_STRIDE;
     uvec4 diffuse = scene_at(material);
     uvec4 mirror = scene_at(material + 1u);
@@ -114,7 +165,7 @@ SurfacePoint surfaceAt(Ray ray, Hit hit) {
     if ((FEATURES & FEATURE_SPHERES) != 0u && triangle.y == NO_VERTEX) {
         tint = meetSphere(triangle, ray, hit, p);
     } else {
-        tint = meetTriangle(triangle, absorption.w, ray, hit, p);
+        tint = meetTriangle(facet, absorption.w, ray, hit, p);
     }
     p.diffuse = xyzOf(diffuse) * tint;
     p.gloss = uintBitsToFloat(diffuse.w);

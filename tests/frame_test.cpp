@@ -71,6 +71,38 @@ Scene variedScene() {
     return scene;
 }
 
+/// The same where every mesh but the floor and the wall stands three times, one of them mirrored, and glows and mirrors there, too.
+Scene plantedScene() {
+    Scene scene = variedScene();
+    const std::vector<Instance> once = scene.instances;
+    for (size_t i = 2; i < once.size(); ++i) {
+        const double turn = 0.7 + static_cast<double>(i);
+        dmat4 turned(1.0);
+        turned[0] = dvec4(std::cos(turn), 0.1, -std::sin(turn), 0);
+        turned[2] = dvec4(std::sin(turn), -0.2, std::cos(turn), 0);
+        turned[3] = dvec4(1.5, 0.3, -1.0, 1);
+        dmat4 mirrored(1.0);
+        mirrored[0] = dvec4(-0.8, 0, 0.1, 0);
+        mirrored[1].y = 0.6;
+        mirrored[3] = dvec4(-0.9, 0.2, -1.5, 1);
+        scene.instances.push_back({once[i].mesh, turned});
+        scene.instances.push_back({once[i].mesh, mirrored});
+    }
+    Mesh balls;
+    balls.spheres = {{vec3(0, 0.3f, 1.5f), 0.3f}, {vec3(-1.5f, 0.4f, 2.0f), 0.35f}};
+    balls.positions = {vec3(1, 0, 2), vec3(2, 0, 2), vec3(1.5f, 0.8f, 2)};
+    balls.triangles = {{0, 1, 2}};
+    balls.normals.assign(3, vec3(0, 0, 1));
+    const auto first = static_cast<uint32_t>(scene.materials.size());
+    scene.materials.insert(scene.materials.end(), {matte(vec3(0.5f)), glass(1.4f), metal(vec3(0.7f, 0.8f, 0.9f))});
+    balls.materials = {first, first + 1, first + 2};
+    scene.meshes.push_back(balls);
+    dmat4 half(0.5);
+    half[3] = dvec4(0.4, 1.2, 0.6, 1);
+    for (const dmat4& m : {dmat4(1.0), half}) scene.instances.push_back({static_cast<uint32_t>(scene.meshes.size() - 1), m});
+    return scene;
+}
+
 FrameOptions small(uint32_t width, uint32_t height, uint32_t samples = 2) {
     FrameOptions options;
     options.width = width;
@@ -105,6 +137,24 @@ TEST(CpuFrame, HasTheSameBitsWhateverTilesThreadsAndRuns) {
         EXPECT_EQ(bitsOf(stage.onCpu(options)), bits) << "tiles of " << tile;
     }
     tbb::task_arena(1).execute([&] { EXPECT_EQ(bitsOf(stage.onCpu(options)), bits) << "one thread"; });
+}
+
+TEST(CpuFrame, HasTheSameBitsWithInstancesKeptAsWithAllWrittenOut) {
+    const FrameOptions options = small(48, 36);
+    const Stage written(plantedScene());
+    const Picture want = written.onCpu(options);
+    for (const char* accel : {"bvh", "octree"}) {
+        const Stage kept = Stage::kept(plantedScene(), accel);
+        EXPECT_TRUE(kept.structure.isInstanced());
+        EXPECT_LT(kept.geometry.positions.size(), written.geometry.positions.size() / 2);
+        EXPECT_LT(kept.structure.triangles.size(), written.structure.triangles.size() / 2);
+        const Picture got = kept.onCpu(options);
+        EXPECT_EQ(countDifferent(got, want), 0u) << accel;
+        EXPECT_EQ(bitsOf(got), bitsOf(want)) << accel;
+    }
+    const Stage single = Stage::kept(variedScene());
+    EXPECT_FALSE(single.structure.isInstanced()) << "every mesh stands once";
+    EXPECT_EQ(bitsOf(single.onCpu(options)), bitsOf(Stage(variedScene()).onCpu(options)));
 }
 
 TEST(CpuFrame, HasTheSameBitsWhateverTheStructure) {
@@ -240,6 +290,17 @@ TEST_P(FrameOnDevice, EqualsTheCpusToTheBitWhateverTheTiles) {
         options.maxDepth = depth;
         EXPECT_EQ(bitsOf(on.frame.render(options)), bitsOf(stage.onCpu(options))) << "depth " << depth;
     }
+}
+
+TEST_P(FrameOnDevice, HasTheSameBitsWithInstancesKeptAsWithAllWrittenOut) {
+    const FrameOptions options = small(48, 36);
+    const Picture want = Stage(plantedScene()).onCpu(options);
+    const Stage kept = Stage::kept(plantedScene());
+    ASSERT_TRUE(kept.structure.isInstanced());
+    DeviceStage on(info, kept);
+    const Picture got = on.frame.render(options);
+    EXPECT_EQ(countDifferent(got, want), 0u);
+    EXPECT_EQ(bitsOf(got), bitsOf(want));
 }
 
 TEST_P(FrameOnDevice, HasTheSameBitsFromSplitArrays) {

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <functional>
+#include <limits>
 #include <random>
 
 namespace raig {
@@ -104,6 +106,56 @@ GltfAsset richAsset() {
     asset.json["scenes"] = {{{"nodes", {root}}}};
     asset.json["scene"] = 0;
     return asset;
+}
+
+// EXT_mesh_gpu_instancing with what is wrong in it; beside each, what the error names.
+TEST(BadGltf, InstancingThatIsNoneIsRefusedAndNamed) {
+    const float infinity = std::numeric_limits<float>::infinity();
+    const auto refusalOf = [](const std::function<nlohmann::json(GltfAsset&)>& attributesOf) {
+        GltfAsset asset;
+        const int mesh = asset.triangle();
+        const nlohmann::json attributes = attributesOf(asset);
+        asset.json["extensionsUsed"] = asset.json["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
+        asset.node({{"mesh", mesh}, {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", attributes}}}}}});
+        const test::TemporaryFolder folder;
+        writeFileAtomically(folder.path / "copies.glb", asset.glb());
+        return importOrRefuse(folder.path / "copies.glb");
+    };
+    const std::string place = "#/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes";
+    const auto expect = [&](const std::string& part, const std::function<nlohmann::json(GltfAsset&)>& attributesOf) {
+        const std::string text = refusalOf(attributesOf);
+        EXPECT_NE(text.find(part), std::string::npos) << "'" << text << "' does not name " << part;
+    };
+    const std::vector<float> two = {0, 0, 0, 1, 1, 1}, turns = {0, 0, 0, 1, 0, 1, 0, 0};
+    EXPECT_EQ(refusalOf([&](GltfAsset& a) -> nlohmann::json {
+                  return {{"TRANSLATION", a.floats(two, "VEC3")}, {"ROTATION", a.floats(turns, "VEC4")},
+                          {"SCALE", a.floats(two, "VEC3")}, {"_COLOR", a.floats(two, "VEC3")}};
+              }),
+              "");
+    EXPECT_EQ(refusalOf([&](GltfAsset& a) -> nlohmann::json {
+                  return {{"ROTATION", a.accessor(std::vector<int16_t>{0, 0, 0, 32767}, "VEC4", 5122, true)}};
+              }),
+              "");
+    expect(place + ": the attributes have 2 and 1 elements", [&](GltfAsset& a) -> nlohmann::json {
+        return {{"TRANSLATION", a.floats(two, "VEC3")}, {"SCALE", a.floats({1, 1, 1}, "VEC3")}};
+    });
+    expect(place + "/TRANSLATION", [&](GltfAsset& a) -> nlohmann::json { return {{"TRANSLATION", a.floats(turns, "VEC4")}}; });
+    expect(place + "/TRANSLATION: names accessor 99", [&](GltfAsset&) -> nlohmann::json { return {{"TRANSLATION", 99}}; });
+    expect(place + "/SCALE", [&](GltfAsset&) -> nlohmann::json { return {{"SCALE", -1}}; });
+    expect(place + "/SCALE", [&](GltfAsset& a) -> nlohmann::json {
+        return {{"SCALE", a.accessor(std::vector<uint16_t>{1, 1, 1, 0}, "VEC3", 5123)}};
+    });
+    expect(place + "/ROTATION", [&](GltfAsset& a) -> nlohmann::json {
+        return {{"ROTATION", a.accessor(std::vector<int16_t>{0, 0, 0, 32767}, "VEC4", 5122)}};
+    });
+    expect("the rotation is zero or not finite",
+           [&](GltfAsset& a) -> nlohmann::json { return {{"ROTATION", a.floats({0, 0, 0, 0}, "VEC4")}}; });
+    expect("is not finite", [&](GltfAsset& a) -> nlohmann::json {
+        return {{"TRANSLATION", a.floats({0, infinity, 0}, "VEC3")}};
+    });
+    expect("is not finite", [&](GltfAsset& a) -> nlohmann::json {
+        return {{"SCALE", a.floats({1, std::numeric_limits<float>::quiet_NaN(), 1}, "VEC3")}};
+    });
 }
 
 TEST(BadGltf, EveryTruncationOfAGlbIsRefused) {

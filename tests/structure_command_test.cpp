@@ -1,10 +1,13 @@
 // Structures as the commands make, keep and choose them.
+#include "base/files.hpp"
 #include "structures/structure.hpp"
+#include "support/gltf_asset.hpp"
 #include "support/program.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -83,6 +86,71 @@ TEST_F(StructureCommands, SavedStructuresOfOtherScenesAndKindsAreRefused) {
     EXPECT_FALSE(fs::exists(folder_ / "c.pfm"));
     // What is wrong with the file's start is told before the scene is read.
     expectRefusal(render("nosuch.glb", "c.pfm", {"--load-structure", file_}), 3, file_);
+}
+
+/// A glTF of a bumpy field, in nine places by EXT_mesh_gpu_instancing and once by a node of its own.
+void writePlantation(const fs::path& path) {
+    test::GltfAsset asset;
+    std::vector<float> positions;
+    std::vector<uint16_t> indices;
+    for (uint16_t x = 0; x < 8; ++x)
+        for (uint16_t z = 0; z < 8; ++z) {
+            positions.insert(positions.end(), {0.1f * x, 0.02f * static_cast<float>(x * z % 7), 0.1f * z});
+            const auto at = static_cast<uint16_t>(8 * x + z);
+            for (const int corner : {0, 1, 9, 0, 9, 8})
+                if (x < 7 && z < 7) indices.push_back(static_cast<uint16_t>(at + corner));
+        }
+    const int mesh = asset.mesh({{"attributes", {{"POSITION", asset.floats(positions, "VEC3")}}},
+                                 {"indices", asset.indices(indices)}});
+    std::vector<float> places, turns;
+    for (int i = 0; i < 9; ++i) {
+        const float half = 0.3f * static_cast<float>(i);
+        places.insert(places.end(), {static_cast<float>(i % 3), 0.1f * static_cast<float>(i), static_cast<float>(i / 3)});
+        turns.insert(turns.end(), {0.0f, std::sin(half), 0.0f, std::cos(half)});
+    }
+    asset.json["extensionsUsed"] = asset.json["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
+    asset.node({{"mesh", mesh},
+                {"extensions",
+                 {{"EXT_mesh_gpu_instancing",
+                   {{"attributes", {{"TRANSLATION", asset.floats(places, "VEC3")}, {"ROTATION", asset.floats(turns, "VEC4")}}}}}}}});
+    asset.node({{"mesh", mesh}, {"scale", {-0.5, 2, 1}}});
+    writeFileAtomically(path, asset.glb());
+}
+
+TEST_F(StructureCommands, KeepInstancesWithoutChangingThePicture) {
+    const fs::path scene = folder_ / "plantation.glb";
+    writePlantation(scene);
+    const auto documentOf = [&](const char* name, const Arguments& more) {
+        Arguments all = more;
+        all.push_back("--json");
+        const ProgramResult result = render(scene, name, all);
+        EXPECT_EQ(result.exitCode, 0) << result.errors;
+        return nlohmann::json::parse(result.output);
+    };
+    const auto kept = documentOf("auto.pfm", {}), flat = documentOf("flat.pfm", {"--instances", "flatten"});
+    EXPECT_EQ(kept["triangles"], 980);
+    EXPECT_EQ(kept["instances"], 10);
+    EXPECT_EQ(kept["structure"]["instances"], 10);
+    EXPECT_EQ(kept["structure"]["references"], 98);
+    EXPECT_EQ(flat["triangles"], 980);
+    EXPECT_EQ(flat["structure"]["instances"], 0);
+    EXPECT_EQ(flat["structure"]["references"], 980);
+    EXPECT_LT(kept["structure"]["bytes"], flat["structure"]["bytes"].get<double>() / 2);
+    EXPECT_EQ(bytesOf(folder_ / "auto.pfm"), bytesOf(folder_ / "flat.pfm"));
+    for (const StructureType& type : structureTypes()) {
+        documentOf("one.pfm", {"--instances", "keep", "--accel", std::string(type.name)});
+        EXPECT_EQ(bytesOf(folder_ / "one.pfm"), bytesOf(folder_ / "flat.pfm")) << type.name;
+    }
+    EXPECT_EQ(documentOf("one.pfm", {"--accel", "auto"})["structure"]["instances"], 10);
+    EXPECT_EQ(documentOf("one.pfm", {"--save-structure", file_})["structure"]["instances"], 0) << "files have one level";
+    EXPECT_EQ(raig({"compare", scene, "--size", "24x24", "--device", "cpu", "--quiet"}).exitCode, 0);
+
+    const auto told = nlohmann::json::parse(raig({"info", scene, "--json"}).output)["scene"];
+    EXPECT_EQ(told["stored_triangles"], 98);
+    EXPECT_EQ(told["keeps_instances"], true);
+    const auto box = nlohmann::json::parse(raig({"info", box_, "--json"}).output)["scene"];
+    EXPECT_EQ(box["stored_triangles"], box["triangles"]);
+    EXPECT_EQ(box["keeps_instances"], false);
 }
 
 TEST_F(StructureCommands, InfoTellsOfTheSceneAndOfEveryStructure) {

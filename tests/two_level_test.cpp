@@ -74,6 +74,8 @@ std::vector<Variant> variants() {
     result.push_back({"bvh", {.precision = 32}});
     result.push_back({"bvh", {.build = "sbvh", .maxLeaf = 1}});
     for (const char* bound : {"sphere", "obb", "kdop"}) result.push_back({"bvh", {.bound = bound}});
+    result.push_back({"bvh", {.walk = "trail"}});
+    for (const uint32_t arity : {2, 8}) result.push_back({"bvh", {.walk = "trail", .arity = arity, .precision = 8}});
     result.push_back({"kdtree", {.walk = "restart"}});
     result.push_back({"kdtree", {.build = "median"}});
     result.push_back({"grid", {.levels = 1}});
@@ -307,6 +309,7 @@ TEST_P(TwoLevelsOnDevice, CountWhatTheCpuCounts) {
             makeDeviceTracer(device, structure, /* counting= */ true)->trace(c.rays, hits, Query::closest).counters;
         EXPECT_EQ(counted.nodeFetches, cpu.nodeFetches) << name;
         EXPECT_EQ(counted.triangleTests, cpu.triangleTests) << name;
+        EXPECT_EQ(counted.boxTests, cpu.boxTests) << name;
     }
 }
 

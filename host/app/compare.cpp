@@ -252,6 +252,7 @@ int compareScene(const Options& options) {
     const Picture picture = renderOnDevice(*setup, frame);
     found.deviceSeconds = secondsSince(start);
     start = Clock::now();
+    if (setup->geometry.isInstanced()) setup->geometry = flatten(setup->scene);  // as the reference knows it
     const reference::World world(setup->scene, setup->geometry);
     const reference::Picture expected = renderReference(world, frame);
     found.referenceSeconds = secondsSince(start);

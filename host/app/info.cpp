@@ -5,6 +5,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "measure/trials.hpp"
+#include "rays/placed_scene.hpp"
 #include "rays/primitives.hpp"
 #include "scene/import.hpp"
 
@@ -24,6 +25,7 @@ struct Survey {
     Scene scene;
     Geometry geometry;
     SceneNumbers numbers;
+    TriangleCounts counts;  ///< as instances, and written out
     std::vector<std::string> features;
     uint32_t materials = 0;  ///< in use
     std::vector<std::string> warnings;
@@ -50,6 +52,7 @@ Survey surveyScene(const Options& options) {
     Survey survey;
     survey.scene = importScene(options.inputs.front());
     survey.geometry = flatten(survey.scene);
+    survey.counts = countTriangles(survey.scene, worthwhile);
     const std::vector<Primitive> triangles = primitivesOf(survey.geometry);
     survey.numbers = measureScene(triangles);
     survey.features = featuresOf(survey.scene, survey.geometry);
@@ -81,6 +84,8 @@ Json sceneJson(const Options& options, const Survey& survey) {
               {"zero_area", survey.geometry.dropped.zeroArea},
               {"other", survey.geometry.dropped.other}}},
             {"instances", scene.instances.size()},
+            {"stored_triangles", survey.counts.stored},
+            {"keeps_instances", isWorthKeeping(survey.counts)},
             {"meshes", scene.meshes.size()},
             {"materials", scene.materials.size()},
             {"used_materials", survey.materials},
@@ -136,6 +141,8 @@ void printScene(const Survey& survey) {
     row("triangles", fmt::format("{}{}, {} of them usable", numbers.triangles, spheres, numbers.usable));
     row("parts", fmt::format("{} instances of {} meshes, {} materials ({} used), {} images", scene.instances.size(),
                              scene.meshes.size(), scene.materials.size(), survey.materials, scene.images.size()));
+    if (isWorthKeeping(survey.counts))
+        row("instances", fmt::format("kept where not told otherwise: {} triangles in memory", survey.counts.stored));
     row("view", fmt::format("{} cameras, {} lights", scene.cameras.size(), scene.lights.size()));
     row("uses", survey.features.empty() ? "plain triangles" : fmt::format("{}", fmt::join(survey.features, ", ")));
     if (numbers.bounds.empty()) return;

@@ -82,6 +82,18 @@ void addMemoryBudget(CLI::App& app, Options& options) {
         ->type_name("MIB");
 }
 
+void addInstances(CLI::App& app, Options& options) {
+    const auto parse = [&options](const std::string& text) {
+        if (text != "auto" && text != "keep" && text != "flatten")
+            throw usageError("--instances {}: auto, keep or flatten is wanted", text);
+        options.instances = text;
+    };
+    app.add_option_function<std::string>("--instances", parse,
+                                         "keep meshes that stand in several places once, or flatten: write them all out "
+                                         "(default: auto, keep where that halves the triangles); hits are the same")
+        ->type_name("HOW");
+}
+
 /// `more` stands for other than one structure: auto, or all.
 void addStructure(CLI::App& app, Options& options, const std::string& more = "auto, which tries all") {
     const std::string moreName = more.substr(0, more.find(','));
@@ -125,6 +137,7 @@ void addStructure(CLI::App& app, Options& options, const std::string& more = "au
     };
     app.add_option_function<std::string>("--grid-density", parseDensity, "cells of a grid a primitive")->type_name("X");
     addMemoryBudget(app, options);
+    if (more.starts_with("auto")) addInstances(app, options);
     CLI::Option* const save = app.add_option("--save-structure", options.saveStructure, "write the structure to this file");
     app.add_option("--load-structure", options.loadStructure, "read the structure from such a file instead of building it")
         ->type_name("FILE")->excludes(save->type_name("FILE"));

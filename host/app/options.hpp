@@ -30,6 +30,7 @@ struct Options {
     std::string accel = "bvh";  ///< a line of structures/registry.def, or "auto"
     bool accelGiven = false;    ///< it was asked for
     BuildParams buildParams;    ///< which of them a structure offers, its builder checks
+    std::string instances = "auto";  ///< auto, keep or flatten
     std::filesystem::path saveStructure;  ///< where to write the structure; empty: nowhere
     std::filesystem::path loadStructure;  ///< where to read it from; empty: it is built
 

@@ -46,7 +46,7 @@ void setFastestWalk(const std::optional<DeviceInfo>& info, Setup& setup, Structu
 std::string Setup::deviceName() const { return device ? device->info().name : "cpu"; }
 
 double Setup::bytesPerTriangle() const {
-    return geometry.triangles.empty() ? 0.0 : double(structure.statistics.bytes) / double(geometry.triangles.size());
+    return geometry.primitiveCount() == 0 ? 0.0 : double(structure.statistics.bytes) / double(geometry.primitiveCount());
 }
 
 std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::path& file) {
@@ -57,7 +57,7 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
 
     Clock::time_point start = Clock::now();
     setup->scene = importScene(file);
-    setup->geometry = flatten(setup->scene);
+    setup->geometry = source.keepsInstances(setup->scene) ? gatherInstances(setup->scene) : flatten(setup->scene);
     setup->importSeconds = secondsSince(start);
     describeScene(setup->scene, setup->geometry);
 
@@ -68,6 +68,10 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
     const StructureStatistics& built = setup->structure.statistics;
     log::note("structure: {} ({}), {} nodes, depth {}, {:.1f} bytes a triangle, {}", setup->structure.name,
               setup->structure.walk, built.nodes, built.depth, setup->bytesPerTriangle(), source.origin(setup->structure));
+
+    if (setup->structure.isInstanced())
+        log::note("instances: {} triangles are {} in memory, in {} places; {:.1f} MiB in all", setup->geometry.primitiveCount(),
+                  setup->structure.statistics.references, setup->structure.instances, double(built.bytes) / (1 << 20));
 
     start = Clock::now();
     if (info) {

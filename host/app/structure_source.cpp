@@ -5,6 +5,7 @@
 #include "base/log.hpp"
 #include "measure/trials.hpp"
 #include "rays/lights.hpp"
+#include "rays/placed_scene.hpp"
 #include "rays/primitives.hpp"
 
 #include <chrono>
@@ -30,6 +31,16 @@ void checkIsAskedFor(const StructureFile& file, const Options& options) {
                          found.empty() ? "no options" : found, wanted);
 }
 
+bool usesFile(const Options& options) {
+    return !options.saveStructure.empty() || !options.loadStructure.empty();
+}
+
+void checkInstances(const Options& options) {
+    if (options.instances == "keep" && usesFile(options))
+        throw usageError("--instances keep: files hold structures of one level; leave it out, or {}",
+                         options.saveStructure.empty() ? "--load-structure" : "--save-structure");
+}
+
 /// Of all options of structures, only the budget is every structure's.
 void checkAuto(const Options& options) {
     BuildParams params = options.buildParams;
@@ -44,6 +55,7 @@ void checkAuto(const Options& options) {
 StructureSource::StructureSource(const Options& options) : options_(options), params_(options.buildParams) {
     if (options.accel != "auto") structureType(options.accel);
     checkAuto(options);
+    checkInstances(options);
     if (options.loadStructure.empty()) return;
     file_ = std::make_unique<StructureFile>(options.loadStructure);
     checkIsAskedFor(*file_, options);
@@ -64,7 +76,32 @@ Structure StructureSource::choose(const Scene& scene, const Geometry& geometry, 
     return structureType(choice.structure).build(triangles, options_.buildParams);
 }
 
+bool StructureSource::keepsInstances(const Scene& scene) const {
+    if (options_.instances != "auto") return options_.instances == "keep";
+    return !usesFile(options_) && isWorthKeeping(countTriangles(scene, worthwhile));
+}
+
+Structure StructureSource::makeTwoLevels(const Geometry& geometry) {
+    const bool picks = options_.accel == "auto";
+    if (picks) log::note("auto: bvh: the scene is kept as instances; others would have to be tried with all written out");
+    const KeepRule rule = options_.instances == "keep" ? KeepRule{} : worthwhile;
+    return buildTwoLevels(placedScene(geometry, rule), structureType(picks ? "bvh" : options_.accel), params_);
+}
+
 Structure StructureSource::make(const Scene& scene, const Geometry& geometry) {
+    Structure structure;
+    if (geometry.isInstanced()) {
+        const Clock::time_point start = Clock::now();
+        structure = makeTwoLevels(geometry);
+        buildSeconds_ = secondsSince(start);
+    } else {
+        structure = makeOneLevel(scene, geometry);
+    }
+    markSeeThrough(scene, geometry, structure);
+    return structure;
+}
+
+Structure StructureSource::makeOneLevel(const Scene& scene, const Geometry& geometry) {
     const std::vector<Primitive> triangles = primitivesOf(geometry);
     Structure structure;
     if (file_) {
@@ -78,8 +115,6 @@ Structure StructureSource::make(const Scene& scene, const Geometry& geometry) {
         buildSeconds_ = secondsSince(start);
     }
     if (!options_.saveStructure.empty()) saveStructure(options_.saveStructure, structure, options_.buildParams, triangles);
-    const std::vector<uint8_t> seeThrough = findSeeThrough(scene, geometry);
-    if (!seeThrough.empty()) structure.markSeeThrough(seeThrough);
     return structure;
 }
 

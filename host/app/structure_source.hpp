@@ -18,11 +18,14 @@ public:
 
     /// Builds, chooses (--accel auto, and says why) or reads the structure of the scene, saves it if --save-structure is given, and marks what lets light through.
     /// Throws what building, reading and saving throw.
+    /// Where geometry.isInstanced(), the structure has two levels.
     Structure make(const Scene& scene, const Geometry& geometry);
 
     /// True if the fastest walk of bvh is wanted, whichever that is (--walk auto), and nothing else that depends on the walk.
     bool leavesWalkOpen() const;
     void setWalk(const WalkChoice& choice);
+    /// True if the scene is to be kept as instances, by --instances and what it holds. Files of structures have one level.
+    bool keepsInstances(const Scene& scene) const;
 
     /// How `structure` came here, in words.
     std::string origin(const Structure& structure) const;
@@ -30,6 +33,8 @@ public:
     double loadSeconds() const { return loadSeconds_; }    ///< 0 where it was built
 
 private:
+    Structure makeOneLevel(const Scene& scene, const Geometry& geometry);
+    Structure makeTwoLevels(const Geometry& geometry);
     Structure choose(const Scene& scene, const Geometry& geometry, std::span<const Primitive> triangles);
 
     const Options& options_;

@@ -58,6 +58,8 @@ int trace(const Options& options) {
                                    {"device", setup->deviceName()},
                                    {"structure", setup->structure.name},
                                    {"walk", setup->structure.walk},
+                                   {"instances", setup->structure.instances},
+                                   {"structure_bytes", setup->structure.statistics.bytes},
                                    {"build_s", setup->buildSeconds},
                                    {"load_s", setup->loadSeconds},
                                    {"upload_s", setup->uploadSeconds + report.uploadSeconds},

@@ -155,6 +155,27 @@ void packGeometry(const Geometry& geometry, Packer& packer, FrameData& data) {
     });
 }
 
+uvec4 packed(const vec4& v) { return packed(vec3(v), v.w); }
+
+void packInstances(const Geometry& geometry, Packer& packer, FrameData& data) {
+    if (!geometry.isInstanced()) return;
+    data.features |= FEATURE_INSTANCES;
+    data.params.instancesAt = packer.here();
+    data.params.instanceCount = static_cast<uint32_t>(geometry.placed.size());
+    const std::span<uvec4> records = packer.room(geometry.placed.size() * FRAME_INSTANCE_STRIDE);
+    for (size_t i = 0; i < geometry.placed.size(); ++i) {
+        const Geometry::Placed& placed = geometry.placed[i];
+        const uint32_t firstId = geometry.firstTriangle[i];
+        uvec4* record = &records[i * FRAME_INSTANCE_STRIDE];
+        record[0] = packed(placed.placement.x);
+        record[1] = packed(placed.placement.y);
+        record[2] = packed(placed.placement.z);
+        record[3] = packed(placed.normalPlacement.x, firstId);
+        record[4] = packed(placed.normalPlacement.y, geometry.stored[placed.mesh].firstTriangle - firstId);
+        record[5] = packed(placed.normalPlacement.z, placed.firstSphere << 1 | (placed.mirrored ? 1u : 0u));
+    }
+}
+
 }  // namespace
 
 void setView(const Scene& scene, const FrameOptions& options, FrameParams& params) {
@@ -195,6 +216,7 @@ FrameData packFrame(const Scene& scene, const Geometry& geometry) {
     packLights(scene, geometry, packer, data);
     packTextures(scene, textures, packer, data.params);
     packGeometry(geometry, packer, data);
+    packInstances(geometry, packer, data);
     return data;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "rays/types.hpp"
+#include "scene/placement.hpp"
 
 namespace raig::shared {
 

@@ -29,24 +29,63 @@ void addSphere(const Sphere& sphere, Subject& subject) {
                     subject.points.emplace_back(dvec3(sphere.centre) + double{sphere.radius} * glm::normalize(way));
 }
 
+/// The directions of the standard view, and how far from its centre it must be for a point.
+struct ThreeQuarters {
+    static constexpr double yfov = 0.78539816339744831;  // 45 degrees
+    static constexpr double share = 0.95;                // of the frame that the subject may take
+
+    explicit ThreeQuarters(const Box& framed) : centre(0.5 * (dvec3(framed.lo) + dvec3(framed.hi))) {}
+
+    double distanceFor(const vec3& point) const {
+        const dvec3 p = dvec3(point) - centre;
+        const double aside = std::max(std::abs(glm::dot(p, right)), std::abs(glm::dot(p, up)));
+        return aside / slope - glm::dot(p, forward);
+    }
+
+    dvec3 centre;
+    dvec3 forward = -glm::normalize(dvec3(0.5, 0.35, 1.0));
+    dvec3 right = glm::normalize(glm::cross(forward, dvec3(0.0, 1.0, 0.0)));
+    dvec3 up = glm::cross(right, forward);
+    double slope = share * std::tan(yfov / 2.0);
+};
+
+/// Of the points inside `framed`, one that asks the standard view to be farthest away; none if there is none.
+std::vector<vec3> decidingPoints(const std::vector<vec3>& points, const Box& framed) {
+    const ThreeQuarters view(framed);
+    std::vector<vec3> deciding;
+    for (const vec3& point : points) {
+        if (!framed.contains(Box{point, point})) continue;
+        if (deciding.empty() || view.distanceFor(point) > view.distanceFor(deciding.front())) deciding = {point};
+    }
+    return deciding;
+}
+
+/// The vertices of an instance's triangles where they stand, points on its spheres, and the bounds of what is usable.
+Subject placeInstance(const Scene& scene, const Instance& instance) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    const Placement placement = placementOf(instance.toWorld);
+    Subject placed;
+    for (const vec3& position : mesh.positions) placed.points.push_back(placePoint(placement, position));
+    std::vector<bool> isNamed(placed.points.size(), false);
+    for (const uvec3& t : mesh.triangles) {
+        isNamed[t.x] = isNamed[t.y] = isNamed[t.z] = true;
+        if (!isUsable(placed.points[t.x], placed.points[t.y], placed.points[t.z])) continue;
+        for (int corner = 0; corner < 3; ++corner) placed.bounds.grow(placed.points[t[corner]]);
+    }
+    for (size_t i = 0; i < isNamed.size(); ++i)
+        if (!isNamed[i] || !isFinite(placed.points[i])) placed.points[i] = vec3(std::numeric_limits<float>::infinity());
+    for (const Sphere& sphere : mesh.spheres) addSphere(placeSphere(instance.toWorld, sphere), placed);
+    return placed;
+}
+
+/// Twice over the instances, so that of each only the points which the view depends on stay in memory.
 Subject findSubject(const Scene& scene) {
     Subject subject;
-    std::vector<vec3> placed;
-    std::vector<bool> isNamed;
+    for (const Instance& instance : scene.instances) subject.bounds.grow(placeInstance(scene, instance).bounds);
+    if (subject.bounds.empty()) return subject;
     for (const Instance& instance : scene.instances) {
-        const Mesh& mesh = scene.meshes[instance.mesh];
-        placed.clear();
-        const Placement placement = placementOf(instance.toWorld);
-        for (const vec3& position : mesh.positions) placed.push_back(placePoint(placement, position));
-        isNamed.assign(placed.size(), false);
-        for (const uvec3& t : mesh.triangles) {
-            isNamed[t.x] = isNamed[t.y] = isNamed[t.z] = true;
-            if (!isUsable(placed[t.x], placed[t.y], placed[t.z])) continue;
-            for (int corner = 0; corner < 3; ++corner) subject.bounds.grow(placed[t[corner]]);
-        }
-        for (size_t i = 0; i < placed.size(); ++i)
-            if (isNamed[i] && isFinite(placed[i])) subject.points.push_back(placed[i]);
-        for (const Sphere& sphere : mesh.spheres) addSphere(placeSphere(instance.toWorld, sphere), subject);
+        const std::vector<vec3> deciding = decidingPoints(placeInstance(scene, instance).points, subject.bounds);
+        subject.points.insert(subject.points.end(), deciding.begin(), deciding.end());
     }
     return subject;
 }
@@ -114,32 +153,20 @@ void completeScene(Scene& scene) {
 
 Camera threeQuarterView(const std::vector<vec3>& points, const Box& framed) {
     RAIG_CHECK(!framed.empty() && isFinite(framed.lo) && isFinite(framed.hi));
-    constexpr double yfov = 0.78539816339744831;  // 45 degrees
-    constexpr double share = 0.95;                // of the frame that the subject may take
-    const dvec3 centre = 0.5 * (dvec3(framed.lo) + dvec3(framed.hi));
-    const dvec3 towardsEye = glm::normalize(dvec3(0.5, 0.35, 1.0));
-    const dvec3 forward = -towardsEye;
-    const dvec3 right = glm::normalize(glm::cross(forward, dvec3(0.0, 1.0, 0.0)));
-    const dvec3 up = glm::cross(right, forward);
-
-    const double slope = share * std::tan(yfov / 2.0);
+    const ThreeQuarters view(framed);
     double distance = -std::numeric_limits<double>::infinity();
-    for (const vec3& point : points) {
-        if (!framed.contains(Box{point, point})) continue;
-        const dvec3 p = dvec3(point) - centre;
-        const double aside = std::max(std::abs(glm::dot(p, right)), std::abs(glm::dot(p, up)));
-        distance = std::max(distance, aside / slope - glm::dot(p, forward));
-    }
+    for (const vec3& point : points)
+        if (framed.contains(Box{point, point})) distance = std::max(distance, view.distanceFor(point));
     // A single point, or one seen edge-on, asks for no distance at all.
     if (!(distance > 0.0)) distance = std::max(glm::length(dvec3(framed.extent())), 1e-3);
 
     Camera camera;
     camera.name = "three-quarter view";
-    camera.eye = vec3(centre + distance * towardsEye);
-    camera.forward = vec3(forward);
-    camera.right = vec3(right);
-    camera.up = vec3(up);
-    camera.yfov = static_cast<float>(yfov);
+    camera.eye = vec3(view.centre - distance * view.forward);
+    camera.forward = vec3(view.forward);
+    camera.right = vec3(view.right);
+    camera.up = vec3(view.up);
+    camera.yfov = static_cast<float>(ThreeQuarters::yfov);
     return camera;
 }
 

@@ -37,8 +37,8 @@ struct FrameParams {
     uint texturesAt;
     uint decodeAt;           // 256 floats: what an sRGB byte means
     uint spheresAt;
-    uint unused0;
-    uint unused1;
+    uint instancesAt;        // if there are instances
+    uint instanceCount;
 };
 
 // One dispatch over a list of slots.
@@ -102,13 +102,18 @@ CONSTANT uint FEATURE_TRANSMISSION = 32u;  // surfaces that let light through
 CONSTANT uint FEATURE_LIGHTS = 64u;
 CONSTANT uint FEATURE_EMITTERS = 128u;
 CONSTANT uint FEATURE_SPHERES = 256u;
+CONSTANT uint FEATURE_INSTANCES = 512u;    // meshes are stored once, in their own space
 
 // The scene's data is an array of uvec4. A triangle is one element: its vertices and its material; and so is a sphere in its
 // place: where it is among the spheres, NO_VERTEX, NO_VERTEX, material. A sphere is one element: centre, radius. A vertex is
-// `vertexStride`: position and u; normal and v if there are normals or uvs; colour if there are colours. An emitter is one element: cumulated
+// `vertexStride`: position and u; normal and v if there are normals or uvs; colour if there are colours. If there are instances,
+// spheres are in the world all the same, each instance's. An instance is FRAME_INSTANCE_STRIDE: Placement, then NormalPlacement
+// with first id | where its mesh's triangles begin, less the first id (modulo 2^32) | its first sphere << 1, and 1 if corners 1 and
+// 2 change places. An emitter is one element: cumulated
 // probability, triangle, area, 0. Textures: one element each (first texel's element, width, height, wraps), then the texels,
 // four an element.
 CONSTANT uint MATERIAL_STRIDE = 5u;  // diffuse gloss | mirror ior | transmission flags | absorption texture | emission 0
+CONSTANT uint FRAME_INSTANCE_STRIDE = 6u;
 CONSTANT uint LIGHT_STRIDE = 4u;     // position type | direction range | intensity cos(outer) | cos(inner) shadows 0 0
 
 CONSTANT uint SURFACE_THIN = 1u;

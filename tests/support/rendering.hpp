@@ -4,6 +4,7 @@
 #include "base/parallel.hpp"
 #include "rays/frame.hpp"
 #include "rays/lights.hpp"
+#include "rays/placed_scene.hpp"
 #include "rays/primitives.hpp"
 #include "scene/import.hpp"
 
@@ -73,8 +74,16 @@ inline Camera lookAt(const vec3& eye, const vec3& target, float yfov = 0.785398f
 struct Stage {
     explicit Stage(Scene s, const std::string& accel = "bvh") : scene(std::move(s)), geometry(flatten(scene)) {
         structure = structureType(accel).build(primitivesOf(geometry), {});
-        const std::vector<uint8_t> seeThrough = findSeeThrough(scene, geometry);
-        if (!seeThrough.empty()) structure.markSeeThrough(seeThrough);
+        markSeeThrough(scene, geometry, structure);
+    }
+    /// With its instances kept.
+    static Stage kept(Scene s, const std::string& accel = "bvh") {
+        Stage stage(Scene{}, accel);
+        stage.scene = std::move(s);
+        stage.geometry = gatherInstances(stage.scene);
+        stage.structure = buildTwoLevels(placedScene(stage.geometry, {}), structureType(accel), {});
+        markSeeThrough(stage.scene, stage.geometry, stage.structure);
+        return stage;
     }
     Picture onCpu(const FrameOptions& options) const {
         return renderPicture(scene, geometry, *makeCpuTracer(structure), options);
