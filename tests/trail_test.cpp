@@ -169,8 +169,8 @@ TEST(Trail, IsWalkedInPiecesOfAnySize) {
     }
 }
 
-// HARD_CASES 62: whatever the links, a walk reads nothing outside its arrays, and ends, unless it goes on beyond what any of a
-// sound tree does, which tracers notice.
+// HARD_CASES 62: whatever the links, a walk reads nothing outside its arrays, and ends, unless it goes on beyond what any of
+// a sound tree does, which tracers notice.
 TEST(Trail, StaysInItsArraysWhateverItsLinks) {
     const std::vector<Triangle> triangles = test::sphere(9, 1.0, dvec3(0), 0.1);
     const std::vector<Ray> rays = test::rays(triangles, /* seed= */ 7, 60);
@@ -183,10 +183,18 @@ TEST(Trail, StaysInItsArraysWhateverItsLinks) {
                 uvec4& node = broken.nodes[random.below(static_cast<uint32_t>(broken.nodes.size()))];
                 uint32_t& word = node[static_cast<int>(random.below(4))];
                 switch (random.below(4)) {
-                case 0: word = static_cast<uint32_t>(random.bits()); break;
-                case 1: word ^= 1u << random.below(32); break;
-                case 2: word = random.below(sound.header.nodeCount + 2); break;
-                default: word = random.below(sound.header.nodeCount) << 3 | random.below(8); break;
+                    case 0:
+                        word = static_cast<uint32_t>(random.bits());
+                        break;
+                    case 1:
+                        word ^= 1u << random.below(32);
+                        break;
+                    case 2:
+                        word = random.below(sound.header.nodeCount + 2);
+                        break;
+                    default:
+                        word = random.below(sound.header.nodeCount) << 3 | random.below(8);
+                        break;
                 }
             }
             const uint64_t most = mostStepsOf(broken);
@@ -237,7 +245,8 @@ std::vector<NamedRays> raysOf(const Scene& scene, const Geometry& geometry, Trac
 std::vector<fs::path> measuredScenes() {
     const fs::path scenes = fs::path(RAIG_SOURCE_DIR) / "../shared/scenes";
     if (!fs::exists(scenes)) return {};
-    return {scenes / "meshes/bunny.ply", scenes / "rooms/white_room.glb", scenes / "rooms/classroom.glb", scenes / "rooms/fzk_haus.glb"};
+    return {scenes / "meshes/bunny.ply", scenes / "rooms/white_room.glb", scenes / "rooms/classroom.glb",
+            scenes / "rooms/fzk_haus.glb"};
 }
 
 std::vector<Triangle> trianglesOf(const Geometry& geometry) {
@@ -267,15 +276,18 @@ TEST(Trail, ReadsHardlyMoreNodesThanAFullStack) {
                 expectSame(hits, want, rays, file.filename().string());
                 const auto count = static_cast<double>(rays.size());
                 const double factor = static_cast<double>(trail.nodeFetches) / static_cast<double>(full.nodeFetches);
-                fmt::print("{:15} arity {} {:14} nodes {:6.2f}, full stack {:6.2f}: {:.4f}; triangles {:.2f}, {:.2f}; links {:.4f}\n",
-                           file.filename().string(), arity, name, double(trail.nodeFetches) / count, double(full.nodeFetches) / count,
-                           factor, double(trail.triangleTests) / count, double(full.triangleTests) / count,
-                           double(trail.linkReads) / count);
+                fmt::print(
+                    "{:15} arity {} {:14} nodes {:6.2f}, full stack {:6.2f}: {:.4f}; triangles {:.2f}, {:.2f}; links "
+                    "{:.4f}\n",
+                    file.filename().string(), arity, name, double(trail.nodeFetches) / count,
+                    double(full.nodeFetches) / count, factor, double(trail.triangleTests) / count,
+                    double(full.triangleTests) / count, double(trail.linkReads) / count);
                 // Of four places on the stack, a wide node takes up to three or four at once.
                 EXPECT_LE(factor, bounced && arity == 2 ? 1.03 : 1.10) << file << " arity " << arity << ' ' << name;
                 // Children entered at nearly equal distances may take turns: that much luck there may be.
                 EXPECT_GE(factor, 0.99) << "a full stack reads the fewest";
-                EXPECT_NEAR(double(trail.triangleTests) / double(full.triangleTests), 1.0, 0.01) << file << " arity " << arity << ' ' << name;
+                EXPECT_NEAR(double(trail.triangleTests) / double(full.triangleTests), 1.0, 0.01)
+                    << file << " arity " << arity << ' ' << name;
             }
         }
     }
@@ -290,7 +302,8 @@ TEST(Builders, ComeNearTheBestThatSplittingCentroidsCanDo) {
             return bvh::build(triangles, {.build = build, .walk = "trail", .arity = 2, .precision = 32}).statistics.sahCost;
         };
         const double sweep = cost("sweep"), binned = cost("binned");
-        fmt::print("{:15} SAH cost: sweep {:.3f}, binned {:.3f} ({:.4f})\n", file.filename().string(), sweep, binned, binned / sweep);
+        fmt::print("{:15} SAH cost: sweep {:.3f}, binned {:.3f} ({:.4f})\n", file.filename().string(), sweep, binned,
+                   binned / sweep);
         EXPECT_LE(sweep, binned) << file;
         EXPECT_LE(binned, 1.05 * sweep) << file;
         if (file.filename() != "white_room.glb") continue;

@@ -1,4 +1,5 @@
-/// What was found out about a device, kept between runs beside its compiled pipelines. Whatever goes wrong there only costs time.
+/// What was found out about a device, kept between runs beside its compiled pipelines. Whatever goes wrong there only costs
+/// time.
 #pragma once
 
 #include "device/device.hpp"
@@ -11,8 +12,8 @@
 
 namespace raig {
 
-/// What writeKept was given for the same driver, device and `what`, if it is there whole. `what` is a word or several: what it is,
-/// and the version of whoever made it.
+/// What writeKept was given for the same driver, device and `what`, if it is there whole. `what` is a word or several: what
+/// it is, and the version of whoever made it.
 std::optional<std::vector<std::byte>> readKept(const Device& device, std::string_view what);
 
 /// Nothing happens where the device was opened without a disk cache, or there is no cache folder.

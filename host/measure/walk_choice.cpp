@@ -29,7 +29,8 @@ Geometry measuredScene() {
         for (uint32_t column = 0; column < 2 * rings; ++column) {
             const double polar = std::numbers::pi * ring / rings, around = std::numbers::pi * column / rings;
             const double radius = 1.0 + 0.1 * std::sin(9.0 * polar) * std::sin(7.0 * around);
-            g.positions.push_back(vec3(radius * dvec3(std::sin(polar) * std::cos(around), std::cos(polar), std::sin(polar) * std::sin(around))));
+            g.positions.push_back(vec3(
+                radius * dvec3(std::sin(polar) * std::cos(around), std::cos(polar), std::sin(polar) * std::sin(around))));
         }
     for (uint32_t ring = 0; ring < rings; ++ring)
         for (uint32_t column = 0; column < 2 * rings; ++column) {
@@ -44,10 +45,14 @@ Geometry measuredScene() {
 
 BuildParams paramsOf(size_t candidate) {
     switch (candidate) {
-    case 0: return {.walk = "octants"};
-    case 1: return {.walk = "trail", .arity = 2};
-    case 2: return {.walk = "trail", .arity = 4};
-    default: return {.walk = "skip"};
+        case 0:
+            return {.walk = "octants"};
+        case 1:
+            return {.walk = "trail", .arity = 2};
+        case 2:
+            return {.walk = "trail", .arity = 4};
+        default:
+            return {.walk = "skip"};
     }
 }
 
@@ -75,7 +80,8 @@ WalkSeconds measure(Device& device) {
         if (!isTried(candidate, device.info())) continue;
         const Structure structure = structureType("bvh").build(triangles, paramsOf(candidate));
         if (rays.empty()) {
-            RaySets sets = makeRaySets(scene, scene.bounds, measuringCamera(scene, scene.bounds), side, *makeCpuTracer(structure));
+            RaySets sets =
+                makeRaySets(scene, scene.bounds, measuringCamera(scene, scene.bounds), side, *makeCpuTracer(structure));
             rays = std::move(sets.primary);
             rays.insert(rays.end(), sets.diffuse.begin(), sets.diffuse.end());
         }
@@ -121,10 +127,13 @@ WalkChoice chooseWalk(Device& device, std::string_view version) {
     }
     const BuildParams chosen = paramsOf(fastestOf(*seconds));
     return {chosen.walk, chosen.arity,
-            fmt::format("{}{}: the same rays took {}{}", chosen.walk, chosen.arity > 0 ? fmt::format(" --arity {}", chosen.arity) : "",
-                        describe(*seconds), known ? ", in an earlier run" : "")};
+            fmt::format("{}{}: the same rays took {}{}", chosen.walk,
+                        chosen.arity > 0 ? fmt::format(" --arity {}", chosen.arity) : "", describe(*seconds),
+                        known ? ", in an earlier run" : "")};
 }
 
-WalkChoice walkOnCpu() { return {"trail", 4, "trail --arity 4: the fastest that was measured on a processor"}; }
+WalkChoice walkOnCpu() {
+    return {"trail", 4, "trail --arity 4: the fastest that was measured on a processor"};
+}
 
 }  // namespace raig

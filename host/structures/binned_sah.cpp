@@ -29,13 +29,16 @@ void fill(Bins& bins, const Binning& binning, const Range& range) {
         });
 }
 
-/// A closer look at the best split, where most of its cost is that of the bins beside it: these two are cut into finer ones along
-/// the axis, time and again. Few large triangles in a bin with many small ones, as the ground under a room, are parted from them
-/// so, where coarse bins would take one more node as large as the ground for each look.
+/// A closer look at the best split, where most of its cost is that of the bins beside it: these two are cut into finer ones
+/// along the axis, time and again. Few large triangles in a bin with many small ones, as the ground under a room, are parted
+/// from them so, where coarse bins would take one more node as large as the ground for each look.
 class FineSplit {
 public:
     FineSplit(const Binning& binning, const Split& split)
-        : axis_(split.axis), origin_(binning.origin[axis_]), scale_(binning.scale[axis_]), start_(static_cast<float>(split.bin - 1)) {}
+        : axis_(split.axis),
+          origin_(binning.origin[axis_]),
+          scale_(binning.scale[axis_]),
+          start_(static_cast<float>(split.bin - 1)) {}
 
     bool isLeft(const BoxReference& reference) const { return binOf(reference) < bin_; }
 
@@ -47,7 +50,8 @@ public:
         for (int i = split.bin + 1; i < binning.count; ++i) add(behind, coarse[i]);
         const FineSplit first = *this;
         float cost = split.cost;
-        for (int look = 0; look < mostLooks && costs.triangle * (costOf(before) + costOf(behind)) < promising * cost; ++look) {
+        for (int look = 0; look < mostLooks && costs.triangle * (costOf(before) + costOf(behind)) < promising * cost;
+             ++look) {
             const Bins::Axis fine = fill(range);
             const Split best = bestSplit(fine, before, behind, costs);
             cost = best.cost;
@@ -77,8 +81,8 @@ private:
         return side.count == 0 ? 0.0f : side.box.halfArea() * static_cast<float>(side.count);
     }
 
-    /// -1 before the window, mostBins behind it. Windows begin at multiples of 2^-15, so the difference is exact: a reference is in
-    /// the same window of any width.
+    /// -1 before the window, mostBins behind it. Windows begin at multiples of 2^-15, so the difference is exact: a
+    /// reference is in the same window of any width.
     int binOf(const BoxReference& reference) const {
         const float place = (centroid2(boxOf(reference))[axis_] - origin_) * scale_ - start_;
         return place < 0.0f ? -1 : place >= width_ ? mostBins : static_cast<int>(place * (mostBins / width_));
@@ -120,7 +124,7 @@ private:
 
     int axis_;
     float origin_, scale_;
-    float start_;           ///< of the window, in coarse bins
+    float start_;  ///< of the window, in coarse bins
     float width_ = 2.0f;
 };
 

@@ -16,8 +16,12 @@ namespace {
 constexpr int leastExponent = -100;  // what is flat gets a step that adds nothing
 constexpr int bias = 127;
 
-uint32_t bits(float value) { return std::bit_cast<uint32_t>(value); }
-float number(uint32_t bits) { return std::bit_cast<float>(bits); }
+uint32_t bits(float value) {
+    return std::bit_cast<uint32_t>(value);
+}
+float number(uint32_t bits) {
+    return std::bit_cast<float>(bits);
+}
 
 /// The least exponent at which 255 steps span the extent.
 int exponentFor(double extent) {
@@ -28,7 +32,8 @@ int exponentFor(double extent) {
 
 /// The largest q at or below, or the smallest at or above, a coordinate.
 uint32_t planeOf(double coordinate, double origin, double step, double most, bool upwards) {
-    double q = std::clamp(upwards ? std::ceil((coordinate - origin) / step) : std::floor((coordinate - origin) / step), 0.0, most);
+    double q =
+        std::clamp(upwards ? std::ceil((coordinate - origin) / step) : std::floor((coordinate - origin) / step), 0.0, most);
     if (upwards && origin + q * step < coordinate) q += 1.0;
     if (!upwards && origin + q * step > coordinate) q -= 1.0;
     return static_cast<uint32_t>(std::clamp(q, 0.0, most));
@@ -42,9 +47,12 @@ struct At {
 At wordAt(const StructureHeader& header, uint32_t slot) {
     const uint32_t arity = trailArity(header), group = slot / 4;
     switch (trailPrecision(header)) {
-    case 32: return arity == 2 ? At{3, slot} : At{group * 7 + 6, slot % 4};
-    case 16: return arity == 2 ? At{1, 2 + slot} : At{group * 4 + 3, slot % 4};
-    default: return arity == 2 ? (slot == 0 ? At{1, 3} : At{2, 0}) : At{3 + group * 2, slot % 4};
+        case 32:
+            return arity == 2 ? At{3, slot} : At{group * 7 + 6, slot % 4};
+        case 16:
+            return arity == 2 ? At{1, 2 + slot} : At{group * 4 + 3, slot % 4};
+        default:
+            return arity == 2 ? (slot == 0 ? At{1, 3} : At{2, 0}) : At{3 + group * 2, slot % 4};
     }
 }
 
@@ -55,12 +63,15 @@ At bytesAt(uint32_t group, int axis, int side) {
 }
 
 /// The box of a node or leaf in the unit of the structure.
-Box inUnit(const Box& box, float unit) { return {box.lo * unit, box.hi * unit}; }
+Box inUnit(const Box& box, float unit) {
+    return {box.lo * unit, box.hi * unit};
+}
 
 /// Writes the nodes of a tree whose order is known.
 class NodeWriter {
 public:
-    explicit NodeWriter(Structure& structure) : structure_(structure), header_(structure.header), arity_(trailArity(header_)) {}
+    explicit NodeWriter(Structure& structure)
+        : structure_(structure), header_(structure.header), arity_(trailArity(header_)) {}
 
     void write(uint32_t index, std::span<const Box> boxes, std::span<const uint32_t> words) const {
         uvec4* texels = structure_.nodes.data() + size_t{index} * trailTexels(header_);
@@ -69,9 +80,12 @@ public:
             texels[at.texel][static_cast<int>(at.component)] = slot < words.size() ? words[slot] : noChild;
         }
         switch (trailPrecision(header_)) {
-        case 32: return writeFloats(texels, boxes);
-        case 16: return writeHalves(texels, boxes);
-        default: return writeBytes(texels, boxes);
+            case 32:
+                return writeFloats(texels, boxes);
+            case 16:
+                return writeHalves(texels, boxes);
+            default:
+                return writeBytes(texels, boxes);
         }
     }
 
@@ -151,32 +165,48 @@ Order orderOf(const BinaryTree& tree) {
         order.links.push_back(next.link);
         const std::span<const uint32_t> children = tree.childrenOf(tree.nodes[next.node]);
         for (size_t slot = children.size(); slot-- > 0;)
-            if (tree.nodes[children[slot]].count == 0) pending.push_back({children[slot], place << 3 | static_cast<uint32_t>(slot)});
+            if (tree.nodes[children[slot]].count == 0)
+                pending.push_back({children[slot], place << 3 | static_cast<uint32_t>(slot)});
     }
     return order;
 }
 
-uint32_t leafWord(const BinaryNode& leaf) { return leafBit | leaf.first << 4 | leaf.count; }
+uint32_t leafWord(const BinaryNode& leaf) {
+    return leafBit | leaf.first << 4 | leaf.count;
+}
 
 /// As many texels as hold a link of each node.
-size_t linkTexels(const StructureHeader& header) { return (size_t{header.nodeCount} + 3) / 4; }
+size_t linkTexels(const StructureHeader& header) {
+    return (size_t{header.nodeCount} + 3) / 4;
+}
 
 }  // namespace
 
 uint32_t trailWalk(uint32_t arity, uint32_t precision) {
-    return shared::WALK_TRAIL + (precision == 32 ? 0 : precision == 16 ? 3 : 6) + static_cast<uint32_t>(std::bit_width(arity)) - 2;
+    return shared::WALK_TRAIL +
+           (precision == 32   ? 0
+            : precision == 16 ? 3
+                              : 6) +
+           static_cast<uint32_t>(std::bit_width(arity)) - 2;
 }
 
-uint32_t trailArity(const StructureHeader& header) { return 2u << ((header.walk - shared::WALK_TRAIL) % 3); }
+uint32_t trailArity(const StructureHeader& header) {
+    return 2u << ((header.walk - shared::WALK_TRAIL) % 3);
+}
 
-uint32_t trailPrecision(const StructureHeader& header) { return 32u >> (header.walk - shared::WALK_TRAIL) / 3; }
+uint32_t trailPrecision(const StructureHeader& header) {
+    return 32u >> (header.walk - shared::WALK_TRAIL) / 3;
+}
 
 uint32_t trailTexels(const StructureHeader& header) {
     const uint32_t arity = trailArity(header);
     switch (trailPrecision(header)) {
-    case 32: return arity == 2 ? 4 : arity / 4 * 7;
-    case 16: return arity;
-    default: return arity / 2 + 2;
+        case 32:
+            return arity == 2 ? 4 : arity / 4 * 7;
+        case 16:
+            return arity;
+        default:
+            return arity / 2 + 2;
     }
 }
 
@@ -205,7 +235,8 @@ void layOutTrail(const BinaryTree& tree, uint64_t memoryBudget, Structure& struc
                 boxes[slot] = inUnit(child.box, header.unit);
                 words[slot] = child.count > 0 ? leafWord(child) : order.places[children[slot]];
             }
-            writer.write(static_cast<uint32_t>(i), std::span(boxes).first(children.size()), std::span(words).first(children.size()));
+            writer.write(static_cast<uint32_t>(i), std::span(boxes).first(children.size()),
+                         std::span(words).first(children.size()));
         }
     });
     uvec4* const links = structure.nodes.data() + size_t{header.nodeCount} * trailTexels(header);
@@ -224,21 +255,22 @@ std::array<uint32_t, 2> TrailNode::planes(uint32_t slot, int axis) const {
     const uint32_t arity = trailArity(header_), group = slot / 4;
     const int lane = static_cast<int>(slot % 4);
     switch (trailPrecision(header_)) {
-    case 32: {
-        if (arity == 2) return {texels_[axis][lane], texels_[axis][lane + 2]};
-        const uvec4* const texels = texels_ + group * 7 + axis * 2u;
-        return {texels[0][lane], texels[1][lane]};
-    }
-    case 16: {
-        const uint32_t pair = arity == 2 ? texels_[axis / 2][lane + axis % 2 * 2] : texels_[group * 4 + static_cast<uint32_t>(axis)][lane];
-        return {pair & 0xffff, pair >> 16};
-    }
-    default: {
-        if (arity == 2) return {texels_[1][axis] >> 8 * lane & 255u, texels_[1][axis] >> (16 + 8 * lane) & 255u};
-        const At lo = bytesAt(group, axis, 0), hi = bytesAt(group, axis, 1);
-        return {texels_[lo.texel][static_cast<int>(lo.component)] >> 8 * lane & 255u,
-                texels_[hi.texel][static_cast<int>(hi.component)] >> 8 * lane & 255u};
-    }
+        case 32: {
+            if (arity == 2) return {texels_[axis][lane], texels_[axis][lane + 2]};
+            const uvec4* const texels = texels_ + group * 7 + axis * 2u;
+            return {texels[0][lane], texels[1][lane]};
+        }
+        case 16: {
+            const uint32_t pair =
+                arity == 2 ? texels_[axis / 2][lane + axis % 2 * 2] : texels_[group * 4 + static_cast<uint32_t>(axis)][lane];
+            return {pair & 0xffff, pair >> 16};
+        }
+        default: {
+            if (arity == 2) return {texels_[1][axis] >> 8 * lane & 255u, texels_[1][axis] >> (16 + 8 * lane) & 255u};
+            const At lo = bytesAt(group, axis, 0), hi = bytesAt(group, axis, 1);
+            return {texels_[lo.texel][static_cast<int>(lo.component)] >> 8 * lane & 255u,
+                    texels_[hi.texel][static_cast<int>(hi.component)] >> 8 * lane & 255u};
+        }
     }
 }
 

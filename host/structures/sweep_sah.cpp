@@ -43,7 +43,8 @@ Sweep sweep(const Range& range, int axis, std::span<float> rightAreas) {
 
 }  // namespace
 
-uint32_t splitBySweep(const Range& range, BinaryNode& node, uint32_t maxLeaf, const SahCosts& costs, std::span<float> rightAreas) {
+uint32_t splitBySweep(const Range& range, BinaryNode& node, uint32_t maxLeaf, const SahCosts& costs,
+                      std::span<float> rightAreas) {
     if (range.depth >= deepestChoice) return range.count <= maxLeaf ? 0 : halve(range, node);
     Sweep best;
     int sorted = -1;
@@ -55,8 +56,8 @@ uint32_t splitBySweep(const Range& range, BinaryNode& node, uint32_t maxLeaf, co
         if (found.cost < best.cost) best = found;
     }
     const float area = range.bounds.boxes.halfArea();
-    const bool leafIsCheaper = costs.triangle * static_cast<float>(range.count) * area <=
-                               costs.triangle * best.cost + costs.node * 2.0f * area;
+    const bool leafIsCheaper =
+        costs.triangle * static_cast<float>(range.count) * area <= costs.triangle * best.cost + costs.node * 2.0f * area;
     if (range.count <= maxLeaf && (best.axis < 0 || leafIsCheaper)) return 0;
     if (best.axis < 0) return halve(range, node);
     if (sorted != best.axis) sortAlong(best.axis, range.begin, range.count);

@@ -22,7 +22,8 @@ public:
         const WalkRay walkRay = prepareRay(ray, header.lo, header.hi, header.unit);
         Hit best{walkRay.tMax, 0.0f, 0.0f, NO_HIT};
         if (walkRay.valid && header.triangleCount > 0) walk(walkRay, best);
-        best.t = best.primitive == NO_HIT ? std::numeric_limits<float>::infinity() : distanceOutside(walkRay, header.unit, best.t);
+        best.t = best.primitive == NO_HIT ? std::numeric_limits<float>::infinity()
+                                          : distanceOutside(walkRay, header.unit, best.t);
         return best;
     }
 
