@@ -6,7 +6,8 @@
 //
 // A structure's walk(ray, at, maxSteps, best) takes `at`, all 0 at the start, on by at most maxSteps loop iterations and
 // improves `best`; isDone(at) says that nothing is left. Then best.primitive == NO_HIT, or best is the nearest hit in
-// [tMin, tMax], ties to the lowest id; with ANY_HIT it is the first one met.
+// [tMin, tMax], ties to the lowest id; with ANY_HIT it is the first one met. mostSteps() is at least as many iterations as any ray
+// takes, all calls together, unless the structure is corrupt: where it may lead a walk around, the walk goes on for longer.
 
 // Nothing met so far; or, taken up again, what `hit` says.
 Hit bestSoFar(WalkRay walkRay, Hit hit) {

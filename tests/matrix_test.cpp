@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstring>
 
 namespace raig {
@@ -101,32 +102,62 @@ Task allInOne(size_t raysEach) {
     return taskOf(all, std::move(rays));
 }
 
-class EveryDevice : public OnEveryDevice {};
-
-// A short run has one scene of all soups for every variant, and one more soup, another each time, so that it is done in
-// seconds; on SwiftShader, that takes long over every ray, fewer rays. A long run has all soups, and a million rays a
-// structure.
-TEST_P(EveryDevice, WalksEveryVariantAsBruteForceDoes) {
-    Device device(info);
-    const bool slow = GetParam() == "SwiftShader" && !test::isLong();
-    std::vector<Task> soups;
-    for (const Soup& soup : test::soups())
-        soups.push_back(taskOf(soup, test::rays(soup.triangles, /* seed= */ 9, test::isLong() ? 30'000 : slow ? 100 : 500)));
-    const Task all = allInOne(test::isLong() ? 10'000 : slow ? 50 : 250);
-    const auto check = [&](const Task& task, const Variant& variant) {
+/// A device and a structure, by their names.
+class EveryStructure : public testing::TestWithParam<std::tuple<std::string, std::string>> {
+protected:
+    void SetUp() override {
+        const std::optional<DeviceInfo> found = findDevice(std::get<0>(GetParam()));
+        if (!found) GTEST_SKIP() << "no Vulkan device named " << std::get<0>(GetParam()) << " here";
+        device_ = std::make_unique<Device>(*found);
+        for (const Variant& variant : test::allVariants())
+            if (variant.structure == std::get<1>(GetParam())) variants_.push_back(variant);
+    }
+    void TearDown() override {
+        device_.reset();
+        for (const std::string& message : validationMessages()) ADD_FAILURE() << message;
+    }
+    void check(const Task& task, const Variant& variant) {
         const Structure structure = variant.build(task.soup.triangles);
-        expectAsBruteForce(task, variant, *makeDeviceTracer(device, structure));
-    };
-    size_t turn = 0;
-    for (const Variant& variant : test::allVariants()) {
-        check(all, variant);
-        for (size_t i = 0; i < soups.size(); ++i)
-            if (test::isLong() || i == turn % soups.size()) check(soups[i], variant);
-        ++turn;
+        expectAsBruteForce(task, variant, *makeDeviceTracer(*device_, structure));
+    }
+    /// SwiftShader takes seconds to compile a kernel, and long over every ray.
+    bool isSlow() const { return std::get<0>(GetParam()) == "SwiftShader"; }
+
+    std::unique_ptr<Device> device_;
+    std::vector<Variant> variants_;
+};
+
+// A short run has one scene of all soups for every variant, and for a few also scenes of other sizes, which are not in it. A
+// long run has all soups for every variant, and a million rays.
+TEST_P(EveryStructure, IsWalkedAsByBruteForce) {
+    const Task all = allInOne(test::isLong() ? 2000 : isSlow() ? 50 : 250);
+    for (const Variant& variant : variants_) check(all, variant);
+    const std::vector<std::string> few =
+        isSlow() ? std::vector<std::string>{"huge"} : std::vector<std::string>{"far", "tiny", "huge", "stadium"};
+    const std::vector<Soup> soups = test::soups();
+    const size_t million = 1'000'000 / (2 * soups.size() * variants_.size()) + 1;
+    for (const Soup& soup : soups) {
+        if (!test::isLong() && std::find(few.begin(), few.end(), soup.name) == few.end()) continue;
+        const Task task = taskOf(soup, test::rays(soup.triangles, /* seed= */ 9, test::isLong() ? million : 500));
+        for (size_t k = 0; k < variants_.size(); ++k)
+            if (test::isLong() || k < few.size()) check(task, variants_[k]);
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(, EveryDevice, testing::ValuesIn(devicesToTest()), testName);
+std::vector<std::string> structureNames() {
+    std::vector<std::string> names;
+    for (const StructureType& type : structureTypes()) names.emplace_back(type.name);
+    return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(, EveryStructure,
+                         testing::Combine(testing::ValuesIn(devicesToTest()), testing::ValuesIn(structureNames())),
+                         [](const auto& info) {
+                             std::string name = std::get<0>(info.param) + '_' + std::get<1>(info.param);
+                             std::replace_if(
+                                 name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
+                             return name;
+                         });
 
 }  // namespace
 }  // namespace raig

@@ -12,7 +12,9 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cstdio>
+#include <limits>
 
 namespace raig {
 
@@ -48,6 +50,18 @@ std::vector<std::string> listWarnings(const SceneNumbers& numbers) {
     return warnings;
 }
 
+/// Structures that test many times as many primitives as the best one does.
+void warnOfSlowStructures(Survey& survey) {
+    constexpr double many = 1000.0, times = 20.0;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Trial& trial : survey.trials)
+        if (trial.trouble.empty()) least = std::min(least, trial.cost.triangleTests);
+    for (const Trial& trial : survey.trials)
+        if (trial.trouble.empty() && trial.name != "brute" && trial.cost.triangleTests > std::max(many, times * least))
+            survey.warnings.push_back(fmt::format("{} would be slow: {:.0f} primitives are tested a ray, {:.0f} at best",
+                                                  trial.name, trial.cost.triangleTests, least));
+}
+
 Survey surveyScene(const Options& options) {
     Survey survey;
     survey.scene = importScene(options.inputs.front());
@@ -63,6 +77,7 @@ Survey surveyScene(const Options& options) {
     TrialOptions trial{.memoryBudget = options.buildParams.memoryBudget};
     trial.progress = [&](const std::string& name, double done) { progress.update("trying " + name, done); };
     survey.trials = tryStructures(survey.scene, survey.geometry, triangles, trial);
+    warnOfSlowStructures(survey);
     survey.choice = chooseStructure(triangles.size(), survey.trials);
     return survey;
 }
