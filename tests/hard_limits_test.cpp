@@ -49,7 +49,7 @@ private:
 std::vector<Hit> traceHere(const Structure& structure, const std::vector<Ray>& rays) {
     std::vector<Hit> hits(rays.size());
     WalkCounters counters;
-    cpuWalk(structure.name)(structure, {}, rays, hits, counters);
+    cpuWalk(structure.walkFile())(structure, {}, rays, hits, counters);
     return hits;
 }
 
