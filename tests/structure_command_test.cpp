@@ -159,9 +159,10 @@ TEST_F(StructureCommands, InfoTellsOfTheSceneAndOfEveryStructure) {
     const auto document = nlohmann::json::parse(result.output);
     const auto& scene = document["scene"];
     EXPECT_EQ(scene["file"], spheres_);
-    EXPECT_GT(scene["triangles"], 100);
-    EXPECT_LE(scene["usable_triangles"], scene["triangles"]);
-    EXPECT_GT(scene["sizes_ratio"], 1.0);
+    EXPECT_EQ(scene["triangles"], 12);
+    EXPECT_EQ(scene["spheres"], 2);
+    EXPECT_EQ(scene["usable_triangles"], 14) << "spheres, too";
+    EXPECT_GE(scene["sizes_ratio"], 1.0);
     EXPECT_FALSE(scene["features"].empty());
     EXPECT_EQ(scene["extent"].size(), 3u);
     const auto& structures = document["structures"];
