@@ -1,6 +1,7 @@
 // Scenes kept as instances against the same scenes written out: the same hits, to the bit, from every structure.
 #include "structures/two_level.hpp"
 
+#include "base/error.hpp"
 #include "rays/lights.hpp"
 #include "rays/placed_scene.hpp"
 #include "rays/tracer.hpp"
@@ -173,6 +174,24 @@ TEST(TwoLevels, StoreWhatIsKeptOnce) {
 
 dmat4 scaledBy(const dvec3& s) {
     return dmat4(dvec4(s.x, 0, 0, 0), dvec4(0, s.y, 0, 0), dvec4(0, 0, s.z, 0), dvec4(0, 0, 0, 1));
+}
+
+TEST(TwoLevels, KeepWithinTheMemoryBudget) {
+    Scene scene;
+    scene.materials.emplace_back();
+    scene.meshes.push_back(test::groves().front().scene.meshes.front());
+    for (int i = 0; i < 20'000; ++i) {
+        dmat4 place(1.0);
+        place[3] = dvec4(3 * (i % 200), 0, 3 * (i / 200), 1);
+        scene.instances.push_back({0, place});
+    }
+    const Geometry geometry = gatherInstances(scene);
+    const PlacedScene placed = placedScene(geometry, {});
+    const Structure structure = buildTwoLevels(placed, structureType("bvh"), {});
+    const uint64_t bytes = structure.statistics.bytes;
+    EXPECT_GT(bytes, uint64_t{20'000} * shared::INSTANCE_STRIDE * sizeof(uvec4));
+    EXPECT_LE(buildTwoLevels(placed, structureType("bvh"), {.memoryBudget = bytes + (1 << 16)}).statistics.bytes, bytes);
+    EXPECT_THROW(buildTwoLevels(placed, structureType("bvh"), {.memoryBudget = bytes / 2}), Error);
 }
 
 TEST(TwoLevels, WriteOutInstancesThatCannotBeWalkedInTheirOwnSpace) {

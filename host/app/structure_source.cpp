@@ -81,11 +81,22 @@ bool StructureSource::keepsInstances(const Scene& scene) const {
     return !usesFile(options_) && isWorthKeeping(countTriangles(scene, worthwhile));
 }
 
+template <class Build>
+Structure StructureSource::buildWithin(const Build& build) const {
+    try {
+        return build(params_);
+    } catch (const Error& error) {
+        if (error.exitCode != ExitCode::limit || !choseWalk_) throw;
+    }
+    return build(options_.buildParams);  // where memory is short, the builder knows better which walk it allows
+}
+
 Structure StructureSource::makeTwoLevels(const Geometry& geometry) {
     const bool picks = options_.accel == "auto";
     if (picks) log::note("auto: bvh: the scene is kept as instances; others would have to be tried with all written out");
     const KeepRule rule = options_.instances == "keep" ? KeepRule{} : worthwhile;
-    return buildTwoLevels(placedScene(geometry, rule), structureType(picks ? "bvh" : options_.accel), params_);
+    const StructureType& type = structureType(picks ? "bvh" : options_.accel);
+    return buildWithin([&](const BuildParams& params) { return buildTwoLevels(placedScene(geometry, rule), type, params); });
 }
 
 Structure StructureSource::make(const Scene& scene, const Geometry& geometry) {
@@ -111,7 +122,9 @@ Structure StructureSource::makeOneLevel(const Scene& scene, const Geometry& geom
     } else {
         const Clock::time_point start = Clock::now();
         structure = options_.accel == "auto" ? choose(scene, geometry, triangles)
-                                             : structureType(options_.accel).build(triangles, params_);
+                                             : buildWithin([&](const BuildParams& params) {
+                                                   return structureType(options_.accel).build(triangles, params);
+                                               });
         buildSeconds_ = secondsSince(start);
     }
     if (!options_.saveStructure.empty()) saveStructure(options_.saveStructure, structure, options_.buildParams, triangles);
@@ -120,12 +133,15 @@ Structure StructureSource::makeOneLevel(const Scene& scene, const Geometry& geom
 
 bool StructureSource::leavesWalkOpen() const {
     const BuildParams& given = options_.buildParams;
-    return !file_ && options_.accel == "bvh" && given.walk == "auto" && given.bound.empty() && given.arity == 0 && given.precision == 0;
+    // What is saved must not depend on how fast anything was.
+    return !usesFile(options_) && options_.accel == "bvh" && given.walk == "auto" && given.bound.empty() &&
+           given.arity == 0 && given.precision == 0;
 }
 
 void StructureSource::setWalk(const WalkChoice& choice) {
     // Octants are what auto means to the builder, which knows better what to do where memory is short.
     if (choice.walk == "octants") return;
+    choseWalk_ = true;
     params_.walk = choice.walk;
     params_.arity = choice.arity;
 }

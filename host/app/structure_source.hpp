@@ -16,14 +16,16 @@ public:
     /// usageError, or inputError if the file holds another structure, or other options, than are asked for.
     explicit StructureSource(const Options& options);
 
-    /// Builds, chooses (--accel auto, and says why) or reads the structure of the scene, saves it if --save-structure is given, and marks what lets light through.
-    /// Throws what building, reading and saving throw.
+    /// Builds, chooses (--accel auto, and says why) or reads the structure of the scene, saves it if --save-structure is
+    /// given, and marks what lets light through. Throws what building, reading and saving throw.
     /// Where geometry.isInstanced(), the structure has two levels.
     Structure make(const Scene& scene, const Geometry& geometry);
 
     /// True if the fastest walk of bvh is wanted, whichever that is (--walk auto), and nothing else that depends on the walk.
     bool leavesWalkOpen() const;
+    /// Takes that walk, unless the memory budget allows the builder only another. Requires leavesWalkOpen().
     void setWalk(const WalkChoice& choice);
+
     /// True if the scene is to be kept as instances, by --instances and what it holds. Files of structures have one level.
     bool keepsInstances(const Scene& scene) const;
 
@@ -35,10 +37,13 @@ public:
 private:
     Structure makeOneLevel(const Scene& scene, const Geometry& geometry);
     Structure makeTwoLevels(const Geometry& geometry);
+    template <class Build>
+    Structure buildWithin(const Build& build) const;
     Structure choose(const Scene& scene, const Geometry& geometry, std::span<const Primitive> triangles);
 
     const Options& options_;
     BuildParams params_;  ///< those of the options, and the walk that was chosen
+    bool choseWalk_ = false;
     std::unique_ptr<StructureFile> file_;
     double buildSeconds_ = 0.0;
     double loadSeconds_ = 0.0;

@@ -1,5 +1,6 @@
 #include "structures/kept_mesh.hpp"
 
+#include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "structures/instance_record.hpp"
 
@@ -66,30 +67,39 @@ public:
         : scene_(scene), mesh_(mesh), included_(included), check_(check), named_(namedVertices(mesh, included)),
           odd_(mesh.vertices, 0), places_(mesh.vertices) {}
 
-    /// The box of the named vertices where `placement` puts them. Excludes the triangles that are not usable there.
-    Box look(const shared::Placement& placement) {
-        Box box;
-        std::mutex mutex;
+    /// Excludes the triangles that are not usable where `placement` puts them.
+    void look(const shared::Placement& placement) {
         parallelFor(mesh_.vertices, 16384, [&](size_t begin, size_t end) {
-            Box part;
             for (size_t i = begin; i < end; ++i) {
                 if (named_[i] == 0) continue;
                 const vec3& vertex = scene_.positions[mesh_.firstVertex + i];
                 if (!check_.passes(placement, vertex)) odd_[i] = 1;
                 places_[i] = shared::placePoint(placement, vertex);
-                part.grow(places_[i]);
             }
+        });
+        forTriangles([&](const uvec3& t) { return isUsable(places_[t.x], places_[t.y], places_[t.z]); });
+    }
+
+    /// Excludes triangles with a vertex that the check did not pass in some place: the last exclusion.
+    void excludeOdd() {
+        if (std::find(odd_.begin(), odd_.end(), 1) != odd_.end())
+            forTriangles([&](const uvec3& t) { return odd_[t.x] + odd_[t.y] + odd_[t.z] == 0; });
+        named_ = namedVertices(mesh_, included_);
+    }
+
+    /// The box of the included triangles where `placement` puts them. Requires that nothing be excluded any more: a vertex
+    /// of an excluded one may be anywhere, or be no number.
+    Box boxOf(const shared::Placement& placement) const {
+        Box box;
+        std::mutex mutex;
+        parallelFor(mesh_.vertices, 16384, [&](size_t begin, size_t end) {
+            Box part;
+            for (size_t i = begin; i < end; ++i)
+                if (named_[i] != 0) part.grow(shared::placePoint(placement, scene_.positions[mesh_.firstVertex + i]));
             const std::lock_guard lock(mutex);
             box.grow(part);
         });
-        forTriangles([&](const uvec3& t) { return isUsable(places_[t.x], places_[t.y], places_[t.z]); });
         return box;
-    }
-
-    /// Excludes triangles with a vertex that the check did not pass in some place.
-    void excludeOdd() {
-        if (std::find(odd_.begin(), odd_.end(), 1) == odd_.end()) return;
-        forTriangles([&](const uvec3& t) { return odd_[t.x] + odd_[t.y] + odd_[t.z] == 0; });
     }
 
 private:
@@ -144,12 +154,15 @@ KeptMesh keepMesh(const PlacedScene& scene, uint32_t index, std::span<const uint
     if (kept.instances.size() < 2) return {};
 
     Inspection inspection(scene, mesh, kept.included, ScaleCheck(unit, sceneUnit));
-    for (KeptInstance& instance : kept.instances)
-        instance.box = inspection.look(scene.instances[instance.instance].placement);
+    for (const KeptInstance& instance : kept.instances) inspection.look(scene.instances[instance.instance].placement);
     inspection.excludeOdd();
     kept.bounds = boundsOf(scene, mesh, kept.included);
     // With another unit of length, what was checked would be another matter. It hardly ever happens.
     if (kept.bounds.empty() || unitOf(kept.bounds) != unit) return {};
+    for (KeptInstance& instance : kept.instances) {
+        instance.box = inspection.boxOf(scene.instances[instance.instance].placement);
+        RAIG_CHECK(scene.bounds.contains(instance.box) && !instance.box.empty());
+    }
     return kept;
 }
 

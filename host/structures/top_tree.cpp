@@ -12,6 +12,10 @@ namespace {
 constexpr size_t mostForSweep = 4096;
 constexpr size_t mostForCopies = size_t{1} << 16;  // 32 MiB
 
+uint32_t copiesOf(uint64_t boxes) {
+    return boxes <= mostForCopies ? 8 : 1;
+}
+
 uvec4 texel(const vec3& v, uint32_t word) {
     return {std::bit_cast<uint32_t>(v.x), std::bit_cast<uint32_t>(v.y), std::bit_cast<uint32_t>(v.z), word};
 }
@@ -57,11 +61,15 @@ uint32_t writeCopy(const BinaryTree& tree, float unit, uint32_t octant, std::spa
 
 }  // namespace
 
+uint64_t topTreeBytes(uint64_t boxes) {
+    return 2 * sizeof(uvec4) * copiesOf(boxes) * (2 * boxes - 1);
+}
+
 TopTree buildTopTree(std::span<const Box> boxes, float unit) {
     const BinaryTree tree = buildTree(boxes);
     TopTree top;
     top.nodeCount = static_cast<uint32_t>(2 * boxes.size() - 1);
-    const uint32_t copies = boxes.size() <= mostForCopies ? 8 : 1;
+    const uint32_t copies = copiesOf(boxes.size());
     top.apart = copies == 8 ? top.nodeCount : 0;
     top.nodes.resize(size_t{2} * copies * top.nodeCount);
     for (uint32_t octant = 0; octant < copies; ++octant)

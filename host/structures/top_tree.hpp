@@ -20,4 +20,7 @@ struct TopTree {
 /// Requires at least one box, none of them empty. O(n log^2 n), beyond 4096 boxes O(n log n).
 TopTree buildTopTree(std::span<const Box> boxes, float unit);
 
+/// Bytes of the nodes that buildTopTree makes of so many boxes.
+uint64_t topTreeBytes(uint64_t boxes);
+
 }  // namespace raig

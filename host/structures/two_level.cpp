@@ -86,11 +86,28 @@ std::vector<Triangle> includedTriangles(const PlacedScene& scene, const StoredMe
     return triangles;
 }
 
+/// Bytes of the top tree and of the records of instances and bottoms, at most. Throws limitError if they exceed the budget.
+uint64_t topBytes(const std::vector<KeptMesh>& kept, const BuildParams& params) {
+    uint64_t instances = 1, bottoms = 1;  // what is written out
+    for (const KeptMesh& mesh : kept) {
+        instances += mesh.instances.size();
+        bottoms += mesh.instances.empty() ? 0 : 1;
+    }
+    if (instances == 1) return 0;
+    const uint64_t records = instances * shared::INSTANCE_STRIDE + bottoms * shared::BOTTOM_STRIDE + shared::INSTANCES_UNIT;
+    const uint64_t bytes = topTreeBytes(instances) + records * sizeof(uvec4);
+    if (bytes > params.memoryBudget)
+        throw limitError("{} instances need {} MiB and --memory-budget allows {}: raise it", instances, (bytes >> 20) + 1,
+                         params.memoryBudget >> 20);
+    return bytes;
+}
+
 /// All bottoms, the written out one first.
 std::vector<Built> buildBottoms(const PlacedScene& scene, const std::vector<KeptMesh>& kept, const WrittenOut& out,
                                 const StructureType& type, const BuildParams& params) {
     std::vector<Built> all;
     BuildParams left = params;
+    left.memoryBudget -= topBytes(kept, params);
     const auto build = [&](uint32_t mesh, std::span<const Triangle> triangles) {
         all.push_back({mesh, type.build(triangles, left)});
         left.memoryBudget -= std::min(left.memoryBudget, all.back().structure.statistics.bytes);
@@ -118,7 +135,7 @@ public:
     Structure join(std::vector<Built> all) {
         Structure result;
         result.name = all.front().structure.name;
-        result.walk = fmt::format("two levels, {}", all.front().structure.walk);
+        result.walk = fmt::format("instances, {}", all.front().structure.walk);
         collectInstances(all);
         TopTree top = buildTopTree(boxes_, unit_);
         layOut(top, all.size(), result);

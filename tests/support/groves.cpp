@@ -140,6 +140,25 @@ Scene smallNumbersGrove() {
     return scene;
 }
 
+/// Triangles that are usable where the mesh is, and beyond all floats where it stands: on both sides of it, or on one.
+Scene overflowingGrove(float far) {
+    Scene scene;
+    scene.materials.emplace_back();
+    const float wide = 0x1p30f;
+    Random random(91);
+    std::vector<Triangle> triangles = {{vec3(0, 0, 0), vec3(0, wide, 0), vec3(0, 0, wide)},
+                                       {vec3(0x1p29f, 0, 0), vec3(0x1p29f, 1e6f, 0), vec3(0x1p29f, 0, 1e6f)},
+                                       {vec3(far, 0, 0), vec3(far, 1e6f, 0), vec3(far, 0, 1e6f)}};
+    for (int i = 0; i < 40; ++i) {
+        const float y = 0.02f * wide * static_cast<float>(i);
+        triangles.push_back({vec3(0, y, 0), vec3(0, y + 0.01f * wide, 0.1f * wide), vec3(0, y, static_cast<float>(random.unit()) * wide)});
+    }
+    scene.meshes.push_back(meshOf(triangles));
+    for (int i = 0; i < 3; ++i)
+        scene.instances.push_back({0, translation({0, 268435456.0 * i, 0}) * scaling({0x1p100, 1, 1})});
+    return scene;
+}
+
 }  // namespace
 
 std::vector<Grove> groves() {
@@ -159,6 +178,8 @@ std::vector<Grove> groves() {
     result.push_back({"displaced", displacedGrove()});
     result.push_back({"slivers", sliverGrove()});
     result.push_back({"small numbers", smallNumbersGrove()});
+    result.push_back({"overflowing", overflowingGrove(0x1p28f)});
+    result.push_back({"overflowing both ways", overflowingGrove(-0x1p29f)});
     Scene lonely = startScene(71);
     for (uint32_t i = 0; i < 3; ++i) lonely.instances.push_back({i, translation(dvec3(i))});
     result.push_back({"each once", std::move(lonely)});
