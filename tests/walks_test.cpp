@@ -151,7 +151,8 @@ TEST_P(EveryDevice, WalksRealScenesAsTheCpuAndBruteForceDo) {
         const bool stadium = std::string_view(file).starts_with("stadium");
         for (const StructureType& type : structureTypes()) {
             if (type.name == "bvh" || type.name == "brute") continue;
-            if (GetParam() == "SwiftShader" && !test::isLong() && triangles.size() > 100'000) continue;
+            // Other structures are walked on SwiftShader by matrix_test: here it takes minutes to compile their kernels.
+            if (GetParam() == "SwiftShader" && !test::isLong()) continue;
             const Structure other = type.build(triangles, {});
             EXPECT_EQ(type.findFault(other, triangles), std::nullopt) << file << ' ' << type.name;
             expectSameOfFirst(*makeDeviceTracer(*device_, other), stadium ? 200 : test::isLong() ? rays.size() : 5'000,
