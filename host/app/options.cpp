@@ -95,7 +95,7 @@ void addInstances(CLI::App& app, Options& options) {
 }
 
 /// `more` stands for other than one structure: auto, or all.
-void addStructure(CLI::App& app, Options& options, const std::string& more = "auto, which tries all") {
+void addStructure(CLI::App& app, Options& options, const std::string& more = "auto, which picks one for the scene") {
     const std::string moreName = more.substr(0, more.find(','));
     const auto parse = [&options, moreName](const std::string& text) {
         if (text != moreName && std::find(structureNames.begin(), structureNames.end(), text) == structureNames.end())
@@ -108,7 +108,8 @@ void addStructure(CLI::App& app, Options& options, const std::string& more = "au
            "--accel", parse, fmt::format("acceleration structure: {}, {} (default: bvh)", fmt::join(structureNames, ", "), more))
         ->type_name("NAME");
     BuildParams& params = options.buildParams;
-    app.add_option("--walk", params.walk, "how the structure is walked (default: auto, the fastest measured)")
+    app.add_option("--walk", params.walk,
+                   "how the structure is walked (default: auto; for bvh in large scenes, what was fastest on the device)")
         ->type_name("NAME");
     app.add_option("--build", params.build, "how the structure is built (default: the structure's own)")->type_name("NAME");
     app.add_option("--bound", params.bound, "bounding volume of bvh: aabb, sphere, obb, kdop (default: aabb)")->type_name("NAME");
@@ -121,7 +122,7 @@ void addStructure(CLI::App& app, Options& options, const std::string& more = "au
         };
     };
     app.add_option_function<std::string>("--arity", parseChoice("--arity", params.arity, {2, 4, 8}),
-                                         "most children of a node of bvh: 2, 4 or 8 (default: 4)")
+                                         "most children of a node of bvh: 2, 4 or 8 (default: 4, unless --walk auto picks 2)")
         ->type_name("N");
     app.add_option_function<std::string>("--precision", parseChoice("--precision", params.precision, {32, 16, 8}),
                                          "bits of a plane of bvh's boxes: 32, 16 or 8 (default: as suits the scene)")

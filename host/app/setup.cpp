@@ -32,6 +32,7 @@ void describeScene(const Scene& scene, const Geometry& geometry) {
 }
 
 /// The fastest walk where the scene is to be traced; not measured where that takes longer than it saves.
+/// How large a scene is goes by the primitives in memory: of kept instances, those of their meshes, each once.
 void setFastestWalk(const std::optional<DeviceInfo>& info, Setup& setup, StructureSource& source) {
     if (!info) return source.setWalk(walkOnCpu());
     if (setup.geometry.triangles.size() < leastForChoice) return;
