@@ -2,7 +2,17 @@
 /// your own. All of the program's parallel work starts here.
 #pragma once
 
+// GCC says so in one way, clang in the other.
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define RAIG_PLAIN_THREADS 1
+#endif
+#endif
 #ifdef __SANITIZE_THREAD__
+#define RAIG_PLAIN_THREADS 1
+#endif
+
+#ifdef RAIG_PLAIN_THREADS
 #include "base/plain_threads.hpp"
 #else
 #include <tbb/blocked_range.h>

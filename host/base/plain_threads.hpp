@@ -19,12 +19,10 @@ namespace raig {
 template <class First, class Second>
 void parallelInvoke(const First& first, const Second& second) {
     static std::atomic<int> threads = 0;
-    if (threads.fetch_add(1) >= 8) {
-        --threads;
-        first();
-        second();
-        return;
-    }
+    struct Counted {
+        const bool isOneTooMany = threads.fetch_add(1) >= 8;
+        ~Counted() { --threads; }
+    };
     std::exception_ptr failures[2];
     const auto guarded = [&failures](int place, const auto& call) {
         try {
@@ -33,14 +31,19 @@ void parallelInvoke(const First& first, const Second& second) {
             failures[place] = std::current_exception();
         }
     };
-    std::thread other([&] { guarded(0, first); });
-    guarded(1, second);
-    other.join();
-    --threads;
+    if (const Counted counted; counted.isOneTooMany) {
+        guarded(0, first);
+        guarded(1, second);
+    } else {
+        std::thread other([&] { guarded(0, first); });
+        guarded(1, second);
+        other.join();
+    }
     for (const std::exception_ptr& failure : failures)
         if (failure) std::rethrow_exception(failure);
 }
 
+/// As in base/parallel.hpp.
 template <class Body>
 void parallelFor(size_t count, size_t grain, const Body& body) {
     std::atomic<size_t> next = 0;
@@ -53,6 +56,7 @@ void parallelFor(size_t count, size_t grain, const Body& body) {
         work();
 }
 
+/// As in base/parallel.hpp.
 template <class Value, class Over, class Join>
 Value parallelReduce(size_t count, size_t grain, const Value& identity, const Over& over, const Join& join) {
     Value sum = identity;
@@ -65,6 +69,7 @@ Value parallelReduce(size_t count, size_t grain, const Value& identity, const Ov
     return sum;
 }
 
+/// As in base/parallel.hpp; on this thread alone.
 template <class Iterator, class Before = std::less<>>
 void parallelSort(Iterator begin, Iterator end, const Before& before = {}) {
     std::sort(begin, end, before);
