@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "device/kept.hpp"
 #include "measure/ray_sets.hpp"
+#include "rays/primitives.hpp"
 #include "rays/tracer.hpp"
 
 #include <algorithm>
@@ -16,7 +17,7 @@ namespace raig {
 
 namespace {
 
-constexpr double worthwhile = 0.9;  // of the first walk's time
+constexpr double clearlyFaster = 0.9;  // of the first walk's time
 constexpr uint32_t rings = 48;
 constexpr uint32_t side = 96;
 constexpr int repetitions = 5;
@@ -71,9 +72,7 @@ std::string describe(const WalkSeconds& seconds) {
 
 WalkSeconds measure(Device& device) {
     const Geometry scene = measuredScene();
-    std::vector<Primitive> triangles;
-    for (const uvec3& t : scene.triangles)
-        triangles.push_back({scene.positions[t.x], scene.positions[t.y], scene.positions[t.z]});
+    const std::vector<Primitive> triangles = primitivesOf(scene);
     std::vector<Ray> rays;
     std::array<std::unique_ptr<DeviceTracer>, triedWalks> tracers;
     for (size_t candidate = 0; candidate < triedWalks; ++candidate) {
@@ -114,7 +113,7 @@ size_t fastestOf(const WalkSeconds& seconds) {
     size_t fastest = 0;
     for (size_t i = 1; i < triedWalks; ++i)
         if (seconds[i] > 0.0 && seconds[i] < seconds[fastest]) fastest = i;
-    return seconds[fastest] < worthwhile * seconds[0] ? fastest : 0;
+    return seconds[fastest] < clearlyFaster * seconds[0] ? fastest : 0;
 }
 
 WalkChoice chooseWalk(Device& device, std::string_view version) {

@@ -61,7 +61,7 @@ public:
             start_ += static_cast<float>(best.bin - 1) * width_ / mostBins;
             width_ *= 2.0f / mostBins;
         }
-        if (cost < worthwhile * split.cost)
+        if (cost < clearlyCheaper * split.cost)
             split.cost = cost;
         else
             *this = first;
@@ -69,9 +69,9 @@ public:
 
 private:
     static constexpr int mostLooks = 4;
-    static constexpr float promising = 0.5f;   // of the cost, what the other bins take at most
-    static constexpr float worthwhile = 0.8f;  // of the cost, what a closer look must come down to
-    static constexpr int bin_ = mostBins / 2;  ///< the first on the right
+    static constexpr float promising = 0.5f;       // of the cost, what the other bins take at most
+    static constexpr float clearlyCheaper = 0.8f;  // of the cost, what a closer look must come down to
+    static constexpr int bin_ = mostBins / 2;      ///< the first on the right
 
     static void add(Bins::Bin& to, const Bins::Bin& bin) {
         to.box.grow(bin.box);
