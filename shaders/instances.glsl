@@ -120,8 +120,8 @@ bool intersectPlaced(vec3 a, vec3 b, vec3 c, uint id, bool obstacle) {
     return intersectTriangle(inside.ray, A, second, third, id, obstacle, inside.best);
 }
 
-// A step of the top tree, from node top.x of the ray's copy: to the next node, or into an instance whose box the ray meets. Then
-// the result is its number | TOP_LEAF, and top.x stays.
+// A step of the top tree, from node `top` of the ray's copy: to the next node, or into an instance whose box the ray meets. Then
+// the result is its number | TOP_LEAF, and `top` stays.
 uint stepTop(WalkRay ray, uint firstNode, INOUT(uint) top) {
     uvec4 low = storedNodes_at((firstNode + top) * 2u);
     uvec4 high = storedNodes_at((firstNode + top) * 2u + 1u);

@@ -58,7 +58,7 @@ const uint INSTANCES_UNIT = 64u;  // so that a float holds where instances begin
 
 // An instance, all bits of floats but for the words: the Placement of the bottom's unit in the scene's; three rows of its inverse's
 // linear part, and in .w a point in the bottom's space; where that point is in the scene, and the first id; then a word: where its
-// bottom lies, in uvec4; a word: INSTANCE_* flags; and two numbers for the slack (host/structures/two_level.cpp).
+// bottom lies, in uvec4; a word: INSTANCE_* flags; and two numbers for the slack (host/structures/instance_record.cpp).
 const uint INSTANCE_STRIDE = 8u;
 const uint INSTANCE_MIRRORS = 1u;  // corners 1 and 2 change places
 
