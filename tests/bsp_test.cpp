@@ -110,7 +110,7 @@ std::vector<Ray> raysAlongPlanes(const Structure& structure, size_t count, doubl
     return rays;
 }
 
-// HARD_CASES 47, 48, 49: walls in splitting planes, rays in them, and planes where the ray's interval begins or ends.
+// Hard cases 47, 48, 49: walls in splitting planes, rays in them, and planes where the ray's interval begins or ends.
 TEST(Bsp, IsExactForRaysInItsPlanes) {
     for (const char* name : {"walls", "tilted walls", "pages", "fan", "ordinary", "slivers", "sphere", "duplicates", "far"})
         for (const uint32_t maxLeaf : {0u, 1u}) {
@@ -122,7 +122,7 @@ TEST(Bsp, IsExactForRaysInItsPlanes) {
         }
 }
 
-// HARD_CASES 37: the slack grows with the distance, until everything is tried.
+// Hard case 37: the slack grows with the distance, until everything is tried.
 TEST(Bsp, IsExactFromAfar) {
     const std::vector<Triangle> triangles = test::sphere(24, 1.0, dvec3(0.5, 0.25, -0.125), 0.2);
     Random random(5);
@@ -137,7 +137,7 @@ TEST(Bsp, IsExactFromAfar) {
     }
 }
 
-// HARD_CASES 23, 44, 45: splitting stops where it does not help.
+// Hard cases 23, 44, 45: splitting stops where it does not help.
 TEST(Bsp, ReferencesFewTrianglesMoreThanOnce) {
     const Triangle one{vec3(-0.5f, -0.5f, 0.0f), vec3(0.5f, -0.25f, 0.125f), vec3(0.0f, 0.5f, 0.25f)};
     std::vector<Triangle> sharing;
@@ -258,7 +258,7 @@ TEST(Bsp, IsTakenUpAgainAfterAnyStep) {
     }
 }
 
-// HARD_CASES 62: whatever the nodes say, a walk ends.
+// Hard case 62: whatever the nodes say, a walk ends.
 TEST(Bsp, StaysInTheArraysOfCorruptedTrees) {
     const std::vector<Triangle> triangles = test::sphere(12, 1.0, dvec3(0), 0.1);
     const Structure good = bsp::build(triangles, {});

@@ -1,4 +1,4 @@
-// HARD_CASES 62: links that lead around, forged in a structure that was sound when it was built. Tracers must say so and not
+// Hard case 62: links that lead around, forged in a structure that was sound when it was built. Tracers must say so and not
 // hang, on the CPU and on devices, whatever is asked.
 #include "rays/cpu_walk.hpp"
 #include "rays/tracer.hpp"

@@ -113,7 +113,7 @@ std::vector<Ray> raysAtCells(const Structure& structure, const std::vector<Trian
     return rays;
 }
 
-/// Triangles in the faces of the cells of the grid that is built over them, or up to `ulps` away: HARD_CASES 38 and 39. Two
+/// Triangles in the faces of the cells of the grid that is built over them, or up to `ulps` away: hard cases 38 and 39. Two
 /// triangles hold the bounds where they are.
 std::vector<Triangle> wallsAtFaces(const std::vector<Triangle>& frame, uint32_t levels, int ulps, float density) {
     Random random(41);
@@ -150,7 +150,7 @@ TEST(Grid, FindsWhatBruteForceFindsAtFacesOfCells) {
     EXPECT_GT(hits, 6000u);
 }
 
-// HARD_CASES 32, 33, 34 and 36, among others.
+// Hard cases 32, 33, 34 and 36, among others.
 TEST(Grid, FindsWhatBruteForceFindsFromFacesOfCells) {
     for (const test::Soup& soup : test::soups()) {
         if (soup.name == "none" || soup.name == "all unusable") continue;
@@ -162,7 +162,7 @@ TEST(Grid, FindsWhatBruteForceFindsFromFacesOfCells) {
     }
 }
 
-// HARD_CASES 37: from as near as the scene's size up to where it is smaller than the roundings. The grid has three ways to
+// Hard case 37: from as near as the scene's size up to where it is smaller than the roundings. The grid has three ways to
 // walk, which depend on the distance.
 TEST(Grid, FindsWhatBruteForceFindsFromFarAway) {
     for (const test::Soup& soup : test::soups()) {
@@ -255,7 +255,7 @@ TEST(Grid, StaysInTheArraysOfADamagedStructure) {
     }
 }
 
-// HARD_CASES 42, 44 and 45 for grids.
+// Hard cases 42, 44 and 45 for grids.
 TEST(Grid, KeepsReferencesFew) {
     Random random(3);
     const vec3 shared(0.1f, 0.2f, 0.3f);
@@ -294,7 +294,7 @@ TEST(Grid, KeepsWithinTheMemoryBudget) {
         }
 }
 
-// HARD_CASES 30 and 43.
+// Hard cases 30 and 43.
 TEST(Grid, HoldsFlatScenesAndSingleTriangles) {
     Random random(5);
     for (int axis = -1; axis < 3; ++axis) {  // -1: one triangle

@@ -104,7 +104,7 @@ std::optional<std::vector<Hit>> traceInPieces(const Structure& structure, const 
 
 }  // namespace
 
-// HARD_CASES 47, 48, 49: triangles in the planes; rays in them; t of a plane equal to tMin or tMax; origins on planes.
+// Hard cases 47, 48, 49: triangles in the planes; rays in them; t of a plane equal to tMin or tMax; origins on planes.
 TEST(KdTree, FindsWhatBruteForceFindsAtItsPlanes) {
     for (const Soup& soup : test::soups())
         for (const char* builder : {"sah", "median"}) {
@@ -116,7 +116,7 @@ TEST(KdTree, FindsWhatBruteForceFindsAtItsPlanes) {
         }
 }
 
-// HARD_CASES 47: flat triangles in a plane go to one side of it, and cells around them are cut off: nothing is doubled.
+// Hard case 47: flat triangles in a plane go to one side of it, and cells around them are cut off: nothing is doubled.
 TEST(KdTree, RefersOnceToWallsThatItsPlanesLieIn) {
     std::vector<Triangle> walls;
     for (int axis = 0; axis < 3; ++axis)
@@ -136,7 +136,7 @@ TEST(KdTree, RefersOnceToWallsThatItsPlanesLieIn) {
     EXPECT_LE(structure.statistics.references, walls.size() * 3 / 2);
 }
 
-// HARD_CASES 23, 44, 45.
+// Hard cases 23, 44, 45.
 TEST(KdTree, RefersAtMostTwentyTimesToEachTriangle) {
     for (const Soup& soup : test::growingSoups())
         for (const char* builder : {"sah", "median"}) {
@@ -159,7 +159,7 @@ TEST(KdTree, HoldsTrianglesThatAreNearlyFlat) {
     expectSame(trace(structure, rays), trace(structureType("brute").build(soup.triangles, {}), rays), rays, soup.name);
 }
 
-// HARD_CASES 60: nothing but `at` and the hit so far is kept from one dispatch to the next.
+// Hard case 60: nothing but `at` and the hit so far is kept from one dispatch to the next.
 TEST(KdTree, IsWalkedInPiecesOfAnySize) {
     for (const Soup& soup : test::soups()) {
         if (soup.triangles.size() < 2) continue;
@@ -176,7 +176,7 @@ TEST(KdTree, IsWalkedInPiecesOfAnySize) {
     }
 }
 
-// HARD_CASES 62: whatever the links, a walk reads nothing outside its arrays, and ends, unless it goes on beyond what any of a
+// Hard case 62: whatever the links, a walk reads nothing outside its arrays, and ends, unless it goes on beyond what any of a
 // sound tree does, which tracers notice.
 TEST(KdTree, StaysInItsArraysWhateverItsLinks) {
     const std::vector<Triangle> triangles = test::sphere(12, 1.0, dvec3(0), 0.1);

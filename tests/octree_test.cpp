@@ -102,7 +102,7 @@ std::optional<std::vector<Hit>> traceInPieces(const Structure& structure, const 
 
 }  // namespace
 
-// HARD_CASES 32 to 36, 49: origins, targets and ends of intervals on faces and corners of cells; rays in faces; from far
+// Hard cases 32 to 36, 49: origins, targets and ends of intervals on faces and corners of cells; rays in faces; from far
 // away.
 TEST(Octree, FindsWhatBruteForceFindsAtItsPlanes) {
     for (const Soup& soup : test::soups()) {
@@ -113,7 +113,7 @@ TEST(Octree, FindsWhatBruteForceFindsAtItsPlanes) {
     }
 }
 
-// HARD_CASES 23, 44, 45.
+// Hard cases 23, 44, 45.
 TEST(Octree, RefersAtMostTwentyTimesToEachTriangle) {
     for (const Soup& soup : test::growingSoups()) {
         const Structure structure = build(soup.triangles);
@@ -124,7 +124,7 @@ TEST(Octree, RefersAtMostTwentyTimesToEachTriangle) {
     }
 }
 
-// HARD_CASES 43: a scene without extent along an axis; a triangle alone.
+// Hard case 43: a scene without extent along an axis; a triangle alone.
 TEST(Octree, HoldsFlatScenes) {
     for (int axis = 0; axis < 3; ++axis) {
         std::vector<Triangle> floor;
@@ -157,7 +157,7 @@ TEST(Octree, HoldsTrianglesThatAreNearlyFlat) {
     expectSame(trace(structure, rays), trace(structureType("brute").build(soup.triangles, {}), rays), rays, soup.name);
 }
 
-// HARD_CASES 60: nothing but `at` and the hit so far is kept from one dispatch to the next.
+// Hard case 60: nothing but `at` and the hit so far is kept from one dispatch to the next.
 TEST(Octree, IsWalkedInPiecesOfAnySize) {
     for (const Soup& soup : test::soups()) {
         if (soup.triangles.size() < 2) continue;
@@ -172,7 +172,7 @@ TEST(Octree, IsWalkedInPiecesOfAnySize) {
     }
 }
 
-// HARD_CASES 62: whatever the links, a walk reads nothing outside its arrays, and ends, unless it goes on beyond what any of a
+// Hard case 62: whatever the links, a walk reads nothing outside its arrays, and ends, unless it goes on beyond what any of a
 // sound tree does, which tracers notice.
 TEST(Octree, StaysInItsArraysWhateverItsLinks) {
     const std::vector<Triangle> triangles = test::sphere(12, 1.0, dvec3(0), 0.1);

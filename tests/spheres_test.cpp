@@ -76,7 +76,7 @@ double reachOf(const Ray& ray, const Box& box) {
     return std::max({most.x, most.y, most.z});
 }
 
-// HARD_CASES 51. The walks rely on 53 u M. In ten times as many rays the hits were 7 u M off the surface at most; t erred
+// Hard case 51. The walks rely on 53 u M. In ten times as many rays the hits were 7 u M off the surface at most; t erred
 // by 5.2 times what half a unit in the last place of centre, radius or origin changes it by (0.6 on average); and misses and
 // phantoms were within 3 u M of tangency.
 TEST(Spheres, AreHitWhereExactArithmeticHitsThem) {
@@ -141,7 +141,7 @@ TEST(Spheres, AreMetFromInsideInEveryDirection) {
         }
 }
 
-// HARD_CASES 51: from outside the largest is met first, from inside the smallest, whatever the rounding.
+// Hard case 51: from outside the largest is met first, from inside the smallest, whatever the rounding.
 TEST(Spheres, AroundOneCentreComeInOrder) {
     std::vector<Primitive> shells;
     for (int i = 0; i < 50; ++i)

@@ -2,6 +2,7 @@
 #include "base/error.hpp"
 #include "measure/ray_sets.hpp"
 #include "rays/cpu_walk.hpp"
+#include "rays/primitives.hpp"
 #include "scene/import.hpp"
 #include "structures/bvh.hpp"
 #include "structures/bvh_trail.hpp"
@@ -150,7 +151,7 @@ TEST(Trail, IsLaidOutAsAskedFor) {
     EXPECT_THROW(bvh::build({}, {.walk = "trail", .bound = "obb"}), Error);
 }
 
-// HARD_CASES 60: nothing but `at` and the hit so far is kept from one dispatch to the next.
+// Hard case 60: nothing but `at` and the hit so far is kept from one dispatch to the next.
 TEST(Trail, IsWalkedInPiecesOfAnySize) {
     for (const Soup& soup : test::soups()) {
         if (soup.triangles.size() < 2) continue;
@@ -169,7 +170,7 @@ TEST(Trail, IsWalkedInPiecesOfAnySize) {
     }
 }
 
-// HARD_CASES 62: whatever the links, a walk reads nothing outside its arrays, and ends, unless it goes on beyond what any of
+// Hard case 62: whatever the links, a walk reads nothing outside its arrays, and ends, unless it goes on beyond what any of
 // a sound tree does, which tracers notice.
 TEST(Trail, StaysInItsArraysWhateverItsLinks) {
     const std::vector<Triangle> triangles = test::sphere(9, 1.0, dvec3(0), 0.1);
@@ -249,13 +250,6 @@ std::vector<fs::path> measuredScenes() {
             scenes / "rooms/fzk_haus.glb"};
 }
 
-std::vector<Triangle> trianglesOf(const Geometry& geometry) {
-    std::vector<Triangle> triangles;
-    for (const uvec3& t : geometry.triangles)
-        triangles.push_back({geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z]});
-    return triangles;
-}
-
 }  // namespace
 
 TEST(Trail, ReadsHardlyMoreNodesThanAFullStack) {
@@ -263,7 +257,7 @@ TEST(Trail, ReadsHardlyMoreNodesThanAFullStack) {
     for (const fs::path& file : measuredScenes()) {
         const Scene scene = importScene(file);
         const Geometry geometry = flatten(scene);
-        const std::vector<Triangle> triangles = trianglesOf(geometry);
+        const std::vector<Triangle> triangles = primitivesOf(geometry);
         for (const uint32_t arity : {2, 4, 8}) {
             const Structure structure = bvh::build(triangles, {.walk = "trail", .arity = arity, .precision = 32});
             const auto tracer = makeCpuTracer(structure);
@@ -297,7 +291,7 @@ TEST(Trail, ReadsHardlyMoreNodesThanAFullStack) {
 TEST(Builders, ComeNearTheBestThatSplittingCentroidsCanDo) {
     if (measuredScenes().empty()) GTEST_SKIP() << "the real scenes (../shared/scenes) are not here";
     for (const fs::path& file : measuredScenes()) {
-        const std::vector<Triangle> triangles = trianglesOf(flatten(importScene(file)));
+        const std::vector<Triangle> triangles = primitivesOf(flatten(importScene(file)));
         const auto cost = [&](const char* build) {
             return bvh::build(triangles, {.build = build, .walk = "trail", .arity = 2, .precision = 32}).statistics.sahCost;
         };

@@ -42,10 +42,6 @@ std::vector<Triangle> teapotInStadium() {
     return triangles;
 }
 
-std::vector<Triangle> trianglesOf(const fs::path& file) {
-    return primitivesOf(flatten(importScene(file)));
-}
-
 std::vector<Trial> trialsOf(const std::vector<Triangle>& triangles) {
     const Scene scene = sceneOf(triangles);
     const Geometry geometry = flatten(scene);
@@ -146,11 +142,11 @@ TEST(Choice, CostsAtMostOneAndAHalfTimesTheCheapest) {
     std::vector<test::Soup> soups = test::soups();
     soups.push_back({"teapot in a stadium", teapotInStadium()});
     for (const char* file : {"cornell_box.gltf", "cornell_spheres.gltf"})
-        soups.push_back({file, trianglesOf(fs::path(RAIG_SOURCE_DIR) / "assets" / file)});
+        soups.push_back({file, primitivesOf(flatten(importScene(fs::path(RAIG_SOURCE_DIR) / "assets" / file)))});
     const fs::path scenes = fs::path(RAIG_SOURCE_DIR) / "../shared/scenes";
     if (std::getenv("RAIG_LONG") != nullptr)
         for (const char* file : {"meshes/bunny.ply", "stadium/house_and_bunny.glb", "rooms/fzk_haus.glb"})
-            if (fs::exists(scenes / file)) soups.push_back({file, trianglesOf(scenes / file)});
+            if (fs::exists(scenes / file)) soups.push_back({file, primitivesOf(flatten(importScene(scenes / file)))});
     for (const test::Soup& soup : soups) {
         const std::vector<Trial> trials = trialsOf(soup.triangles);
         const Choice choice = chooseStructure(soup.triangles.size(), trials);

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "rays/lights.hpp"
 #include "rays/placed_scene.hpp"
+#include "rays/primitives.hpp"
 #include "rays/tracer.hpp"
 #include "structures/instance_record.hpp"
 #include "support/devices.hpp"
@@ -27,7 +28,7 @@ bool isLong() { return std::getenv("RAIG_LONG") != nullptr; }
 /// A grove with what it is compared with. The truth is brute force over the triangles written out.
 struct Case {
     explicit Case(const Grove& grove, size_t rayCount, uint64_t seed = 5)
-        : name(grove.name), geometry(gatherInstances(grove.scene)), triangles(test::trianglesOf(grove.scene)) {
+        : name(grove.name), geometry(gatherInstances(grove.scene)), triangles(primitivesOf(flatten(grove.scene))) {
         if (triangles.empty()) return;
         rays = test::rays(triangles, seed, rayCount);
         closest.resize(rays.size());

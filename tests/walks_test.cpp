@@ -44,10 +44,6 @@ void expectSame(const std::vector<Hit>& got, const std::vector<Hit>& want, const
                               << "\nwant " << describe(want[i]);
 }
 
-std::vector<Triangle> trianglesOf(const fs::path& scene) {
-    return primitivesOf(flatten(importScene(scene)));
-}
-
 class EveryDevice : public OnEveryDevice {
 protected:
     void SetUp() override {
@@ -137,7 +133,7 @@ TEST_P(EveryDevice, WalksRealScenesAsTheCpuAndBruteForceDo) {
     const fs::path scenes = fs::path(RAIG_SOURCE_DIR) / "../shared/scenes";
     if (!fs::exists(scenes)) GTEST_SKIP() << "the real scenes (../shared/scenes) are not here";
     for (const char* file : {"meshes/bunny.ply", "rooms/white_room.glb", "stadium/house_and_bunny.glb"}) {
-        const std::vector<Triangle> triangles = trianglesOf(scenes / file);
+        const std::vector<Triangle> triangles = primitivesOf(flatten(importScene(scenes / file)));
         const Structure structure = structureType("bvh").build(triangles, {});
         EXPECT_EQ(structureType("bvh").findFault(structure, triangles), std::nullopt) << file;
         const std::vector<Ray> rays = test::rays(triangles, /* seed= */ 21, test::isLong() ? 1'000'000 : 50'000);

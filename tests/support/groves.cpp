@@ -1,6 +1,5 @@
 #include "support/groves.hpp"
 
-#include "rays/primitives.hpp"
 #include "support/random.hpp"
 #include "support/soups.hpp"
 
@@ -185,10 +184,6 @@ std::vector<Grove> groves() {
     result.push_back({"each once", std::move(lonely)});
     result.push_back({"empty", startScene(81)});
     return result;
-}
-
-std::vector<Triangle> trianglesOf(const Scene& scene) {
-    return primitivesOf(flatten(scene));
 }
 
 }  // namespace raig::test

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "scene/geometry.hpp"
-#include "structures/structure.hpp"
 
 #include <string>
 #include <vector>
@@ -18,8 +17,5 @@ struct Grove {
 /// meshes far from theirs; the whole tiny or huge; some transforms singular or nearly; slivers that rounding makes and unmakes;
 /// numbers below the normal ones, and beyond all; the same place twice; meshes that stand once.
 std::vector<Grove> groves();
-
-/// Its triangles in the world, written out: ids are indices.
-std::vector<Triangle> trianglesOf(const Scene& scene);
 
 }  // namespace raig::test

@@ -1,4 +1,4 @@
-/// The catalogue of hard cases (HARD_CASES.md, sections 1 to 3): triangles and rays by the recipe of each case.
+/// The catalogue of hard cases (sections 1 to 3): triangles and rays by the recipe of each case.
 #pragma once
 
 #include "rays/types.hpp"

@@ -19,7 +19,7 @@ using Exact = __float128;
 using Exact = long double;
 #endif
 
-/// How a hit found in floats compares with the exact one (HARD_CASES.md, section 6.1).
+/// How a hit found in floats compares with the exact one (the catalogue of hard cases, section 6.1).
 enum class Verdict { same, tie, missed, phantom, wrong };
 
 /// Verdicts of many rays. `open` rays have none, see Oracle.
