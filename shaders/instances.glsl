@@ -1,8 +1,8 @@
 // The upper of two levels: which instances a ray meets, and the ray in each one's own space.
 //
 // Only bounds are walked there. A triangle is placed in the world, corner by corner, by the formula that whoever writes out
-// instances uses (shared/place.glsl), and tested with the ray as it is: so hits are those of the scene written out, to the bit,
-// and watertight where that is.
+// instances uses (shared/place.glsl), and tested with the ray as it is: so hits are those of the scene written out, to the
+// bit, and watertight where that is.
 //
 // Whoever includes this declares before it: INSTANCED, header, storedNodes_at(i), nodeBase, triangleBase; and includes
 // intersect.glsl and shared/place.glsl.
@@ -26,22 +26,23 @@ vec4 placedRow(uvec4 t) { return vec4(placedFloats(t), uintBitsToFloat(t.w)); }
 // The ray `world` in a bottom's space. `n` are the rows of the instance's inverse, with the corner in .w; `at` is where that
 // corner is in the world; `spread` the largest sum of a row's magnitudes; `blur` see below.
 //
-// A point of the ray at distance t goes, in exact arithmetic, from P = o + t d to corner + N (P - at). The walk's ray is off from
-// that by what rounds on the way (u = 2^-24; M as in prepareRay, for the world: so much |o - at| and t |d| are at most, along each
-// axis, where something is hit; R = spread):
-//      5 u M R    of N (o - at): rounding of N, of the difference, of products and sums; and of the last sum, u (M R + |corner|)
+// A point of the ray at distance t goes, in exact arithmetic, from P = o + t d to corner + N (P - at). The walk's ray is off
+// from that by what rounds on the way (u = 2^-24; M as in prepareRay, for the world: so much |o - at| and t |d| are at most,
+// along each axis, where something is hit; R = spread):
+//      5 u M R    of N (o - at): rounding of N, of the difference, of products and sums; and of the last sum,
+//                 u (M R + |corner|)
 //      4 u M R    of t N d
 //     u |corner|  of the corner
-// A hit in the world lies within 53 u M of the placed triangle (bsp.glsl counts that), which is 53 u M R here; and the placed
-// triangle within 4.01 u A of where it exactly would be (shared/place.glsl), which is 4.01 u |N| A here. In all
+// A hit in the world lies within 53 u M of the placed triangle (bsp.glsl counts that), which is 53 u M R here; and the
+// placed triangle within 4.01 u A of where it exactly would be (shared/place.glsl), which is 4.01 u |N| A here. In all
 //     u (63 M R + 2 |corner| + 4.01 |N| A)
-// by which the ray passes the bottom's triangle where it hits. Walks reckon with 53 u m for that, m the distance to the bottom's
-// bounds, and with other multiples of u m for their own roundings. So with
+// by which the ray passes the bottom's triangle where it hits. Walks reckon with 53 u m for that, m the distance to the
+// bottom's bounds, and with other multiples of u m for their own roundings. So with
 //     slack / 64 = u (m + 1.3125 M R + blur),    blur = (2 |corner| + 4.01 |N| A) / 53, rounded up
 // in place of u m, all that they count on holds.
 //
-// Where that is as much as the bottom itself is large (rays from very far away, or out of range), a ray that meets everything
-// stands in.
+// Where that is as much as the bottom itself is large (rays from very far away, or out of range), a ray that meets
+// everything stands in.
 WalkRay placedRay(WalkRay world, vec4 n0, vec4 n1, vec4 n2, vec3 at, float spread, float blur, INOUT(float) toLocal) {
     precise vec3 away = world.origin - at;
     precise vec3 origin = vec3(((n0.x * away.x + n0.y * away.y) + n0.z * away.z) + n0.w,
@@ -52,7 +53,8 @@ WalkRay placedRay(WalkRay world, vec4 n0, vec4 n1, vec4 n2, vec3 at, float sprea
                               (n2.x * d.x + n2.y * d.y) + n2.z * d.z);
     WalkRay r;
     float m = distanceToBounds(origin, header.lo, header.hi);
-    precise float slackUnit = m * 5.9604644775390625e-8f + spread * world.tolerance * 0.08203125f + blur * 5.9604644775390625e-8f;
+    precise float slackUnit =
+        m * 5.9604644775390625e-8f + spread * world.tolerance * 0.08203125f + blur * 5.9604644775390625e-8f;
     bool meetsAll = !(slackUnit <= 1.0f);  // of bounds that are 4 wide at most; NaN too
     slackUnit = meetsAll ? 1.0f : slackUnit;
     along = meetsAll ? vec3(1.0f) : along;
@@ -110,7 +112,8 @@ WalkRay enterInstance(uint index, uint instancesAt) {
                      uintBitsToFloat(words.w), inside.toLocal);
 }
 
-// The world's ray against the bottom's triangle (a, b, c), where the instance puts it. True if it became the best hit of all.
+// The world's ray against the bottom's triangle (a, b, c), where the instance puts it. True if it became the best hit of
+// all.
 bool intersectPlaced(vec3 a, vec3 b, vec3 c, uint id, bool obstacle) {
     vec3 A = placePoint(inside.placement, a);
     vec3 B = placePoint(inside.placement, b);
@@ -120,8 +123,8 @@ bool intersectPlaced(vec3 a, vec3 b, vec3 c, uint id, bool obstacle) {
     return intersectTriangle(inside.ray, A, second, third, id, obstacle, inside.best);
 }
 
-// A step of the top tree, from node `top` of the ray's copy: to the next node, or into an instance whose box the ray meets. Then
-// the result is its number | TOP_LEAF, and `top` stays.
+// A step of the top tree, from node `top` of the ray's copy: to the next node, or into an instance whose box the ray meets.
+// Then the result is its number | TOP_LEAF, and `top` stays.
 uint stepTop(WalkRay ray, uint firstNode, INOUT(uint) top) {
     uvec4 low = storedNodes_at((firstNode + top) * 2u);
     uvec4 high = storedNodes_at((firstNode + top) * 2u + 1u);

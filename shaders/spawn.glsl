@@ -1,4 +1,5 @@
-// Points on triangles and spheres with a bound on their rounding error, and rays that leave them from just outside that bound.
+// Points on triangles and spheres with a bound on their rounding error, and rays that leave them from just outside that
+// bound.
 
 // A point of a triangle, or of a sphere. The exact point of its plane, or surface, lies within `error` of `position` in each
 // component; and the test of a ray that starts near `position` cannot tell on which side it does, nearer than `blur`.
@@ -62,9 +63,9 @@ BoundedPoint pointOf(vec3 a, vec3 b, vec3 c, float b1, float b2) {
 // error  u |position|, u = 2^-24: one rounding of the sum.
 // blur   3 u radius: for the length of n, which unit() misses by 3.5 u at most, for the product with it, and for the sphere
 //        test, which decides by the difference of two squares that are 6 u off at most. All at their worst would ask for
-//        8 u; but of 12 million rays that left spheres, near the origin and up to 1000 radii from it, to either side at angles
-//        down to 1e-7, none found itself on the wrong side (with 2.5 u two did, with 2 u 29). With more, rays would start
-//        farther away than 8 ULP of the sphere's coordinates.
+//        8 u; but of 12 million rays that left spheres, near the origin and up to 1000 radii from it, to either side at
+//        angles down to 1e-7, none found itself on the wrong side (with 2.5 u two did, with 2 u 29). With more, rays would
+//        start farther away than 8 ULP of the sphere's coordinates.
 //        [Pharr, Jakob and Humphreys 2023, section 6.8.5, bound the point alone by 5 u |position|.]
 BoundedPoint pointOfSphere(vec3 centre, float radius, vec3 n) {
     precise vec3 position = centre + radius * n;
@@ -91,8 +92,8 @@ float nextFloat(float x, float towards) {
 
 // Where a ray starts that leaves `point` on the side of unit vector n: outside its bounds, whatever the rounding.
 //
-// Ensures   the plane of the triangle, or the surface of the sphere, lies behind it; no ray that stays on n's side meets that
-//           triangle again, nor a sphere that it has left.
+// Ensures   the plane of the triangle, or the surface of the sphere, lies behind it; no ray that stays on n's side meets
+//           that triangle again, nor a sphere that it has left.
 //           No epsilon depends on the scene: the distance is some ULP of the triangle's corners, as seen from the origin of
 //           coordinates (`error`) and from the point (`blur`).
 // Source    Pharr, Jakob and Humphreys 2023, section 6.8.6.

@@ -25,8 +25,8 @@ struct Corners {
     vec3 c;
 };
 
-// A triangle as it is stored, its corners in the order that they have in the world, and the element of its instance, if there are
-// instances.
+// A triangle as it is stored, its corners in the order that they have in the world, and the element of its instance, if
+// there are instances.
 struct Facet {
     uvec4 triangle;
     uint instance;

@@ -1,13 +1,15 @@
 // One ray from beginning to end, or as far as maxSteps lets it come: what the trace kernels and the CPU call.
 //
-// Whoever includes this declares before it, in this order: header, nodes_at(i), triangles_at(i), the constants ANY_HIT, WALK,
-// SKIP_SEE_THROUGH and HAS_SPHERES, COUNT_NODE(did), COUNT_TRIANGLE(did), COUNT_BOXES(how many), COUNT_LINK(did), RAIG_INSTANCED
-// (see triangles.glsl); then intersect.glsl, instances.glsl if that is 1, triangles.glsl and structures/NAME.glsl.
+// Whoever includes this declares before it, in this order: header, nodes_at(i), triangles_at(i), the constants ANY_HIT,
+// WALK, SKIP_SEE_THROUGH and HAS_SPHERES, COUNT_NODE(did), COUNT_TRIANGLE(did), COUNT_BOXES(how many), COUNT_LINK(did),
+// RAIG_INSTANCED (see triangles.glsl); then intersect.glsl, instances.glsl if that is 1, triangles.glsl and
+// structures/NAME.glsl.
 //
 // A structure's walk(ray, at, maxSteps, best) takes `at`, all 0 at the start, on by at most maxSteps loop iterations and
 // improves `best`; isDone(at) says that nothing is left. Then best.primitive == NO_HIT, or best is the nearest hit in
-// [tMin, tMax], ties to the lowest id; with ANY_HIT it is the first one met. mostSteps() is at least as many iterations as any ray
-// takes, all calls together, unless the structure is corrupt: where it may lead a walk around, the walk goes on for longer.
+// [tMin, tMax], ties to the lowest id; with ANY_HIT it is the first one met. mostSteps() is at least as many iterations as
+// any ray takes, all calls together, unless the structure is corrupt: where it may lead a walk around, the walk goes on for
+// longer.
 
 // Nothing met so far; or, taken up again, what `hit` says.
 Hit bestSoFar(WalkRay walkRay, Hit hit) {
@@ -36,12 +38,12 @@ bool traceRay(Ray ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) hit) {
 }
 
 #if RAIG_INSTANCED
-// As traceRay, through two levels. `top`, 0 at the start, is the next node of the top tree, and `inside` says that the ray is in
-// the instance there, where `at` is the bottom's.
+// As traceRay, through two levels. `top`, 0 at the start, is the next node of the top tree, and `inside` says that the ray
+// is in the instance there, where `at` is the bottom's.
 //
-// Rounds of the outer loop are what is counted: each makes at most PIECE steps in the top tree and as many in a bottom, so that a
-// device which counts all loops of neighbours together comes to 2 PIECE a round, wherever each of them is. As the top's
-// links only lead on, and bottoms' walks end, so do the rounds.
+// Rounds of the outer loop are what is counted: each makes at most PIECE steps in the top tree and as many in a bottom, so
+// that a device which counts all loops of neighbours together comes to 2 PIECE a round, wherever each of them is. As the
+// top's links only lead on, and bottoms' walks end, so do the rounds.
 CONSTANT uint PIECE = 64u;
 CONSTANT uint IN_INSTANCE = 0x80000000u;
 

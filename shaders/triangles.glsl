@@ -1,10 +1,11 @@
 // References to primitives as they lie in memory: three uvec4 each (shared/structure.glsl).
 //
-// Whoever includes this declares before it triangles_at(i), SKIP_SEE_THROUGH, HAS_SPHERES, COUNT_TRIANGLE(did) and RAIG_INSTANCED:
-// 1 if there may be two levels, then also INSTANCED, whether there are, and it includes instances.glsl.
+// Whoever includes this declares before it triangles_at(i), SKIP_SEE_THROUGH, HAS_SPHERES, COUNT_TRIANGLE(did) and
+// RAIG_INSTANCED: 1 if there may be two levels, then also INSTANCED, whether there are, and it includes instances.glsl.
 #include "sphere.glsl"
 
-// Tests reference `index`, a triangle or, where the structure has any (HAS_SPHERES), a sphere. True if it became the best hit.
+// Tests reference `index`, a triangle or, where the structure has any (HAS_SPHERES), a sphere. True if it became the best
+// hit.
 bool testTriangle(WalkRay ray, uint index, INOUT(Hit) best) {
     uvec4 a = triangles_at(index * TRIANGLE_STRIDE);
     uvec4 b = triangles_at(index * TRIANGLE_STRIDE + 1u);

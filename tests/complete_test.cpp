@@ -176,7 +176,8 @@ TEST(CompleteScene, ExtremeScenesGetFiniteCameras) {
 }
 
 TEST(CornellBoxes, AreWholeAsTheyAre) {
-    for (const auto& [name, primitives] : {std::pair("cornell_box.gltf", 32u), std::pair("cornell_spheres.gltf", 12u + 2u)}) {
+    for (const auto& [name, primitives] :
+         {std::pair("cornell_box.gltf", 32u), std::pair("cornell_spheres.gltf", 12u + 2u)}) {
         const Scene scene = importScene(std::filesystem::path(RAIG_SOURCE_DIR) / "assets" / name);
         ASSERT_EQ(scene.remarks.size(), 1u) << name;
         EXPECT_NE(scene.remarks.front().find("ambient"), std::string::npos) << scene.remarks.front();

@@ -71,7 +71,8 @@ Scene variedScene() {
     return scene;
 }
 
-/// The same where every mesh but the floor and the wall stands three times, one of them mirrored, and glows and mirrors there, too.
+/// The same where every mesh but the floor and the wall stands three times, one of them mirrored, and glows and mirrors
+/// there, too.
 Scene plantedScene() {
     Scene scene = variedScene();
     const std::vector<Instance> once = scene.instances;

@@ -139,7 +139,9 @@ TEST(BadGltf, InstancingThatIsNoneIsRefusedAndNamed) {
     expect(place + ": the attributes have 2 and 1 elements", [&](GltfAsset& a) -> nlohmann::json {
         return {{"TRANSLATION", a.floats(two, "VEC3")}, {"SCALE", a.floats({1, 1, 1}, "VEC3")}};
     });
-    expect(place + "/TRANSLATION", [&](GltfAsset& a) -> nlohmann::json { return {{"TRANSLATION", a.floats(turns, "VEC4")}}; });
+    expect(place + "/TRANSLATION", [&](GltfAsset& a) -> nlohmann::json {
+        return {{"TRANSLATION", a.floats(turns, "VEC4")}};
+    });
     expect(place + "/TRANSLATION: names accessor 99", [&](GltfAsset&) -> nlohmann::json { return {{"TRANSLATION", 99}}; });
     expect(place + "/SCALE", [&](GltfAsset&) -> nlohmann::json { return {{"SCALE", -1}}; });
     expect(place + "/SCALE", [&](GltfAsset& a) -> nlohmann::json {

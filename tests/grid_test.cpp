@@ -237,8 +237,8 @@ TEST(Grid, GoesOnWhereItWasStopped) {
     }
 }
 
-// Whatever stands in cells and lists, a walk reads nothing outside (nodes.at() would throw), and ends, or goes on beyond what any
-// of a sound grid does, which tracers notice.
+// Whatever stands in cells and lists, a walk reads nothing outside (nodes.at() would throw), and ends, or goes on beyond
+// what any of a sound grid does, which tracers notice.
 TEST(Grid, StaysInTheArraysOfADamagedStructure) {
     const std::vector<Triangle> triangles = test::soups()[4].triangles;
     const std::vector<Ray> rays = test::rays(triangles, 32, 200);

@@ -176,8 +176,8 @@ TEST(KdTree, IsWalkedInPiecesOfAnySize) {
     }
 }
 
-// Hard case 62: whatever the links, a walk reads nothing outside its arrays, and ends, unless it goes on beyond what any of a
-// sound tree does, which tracers notice.
+// Hard case 62: whatever the links, a walk reads nothing outside its arrays, and ends, unless it goes on beyond what any of
+// a sound tree does, which tracers notice.
 TEST(KdTree, StaysInItsArraysWhateverItsLinks) {
     const std::vector<Triangle> triangles = test::sphere(12, 1.0, dvec3(0), 0.1);
     const Structure sound = build(triangles);

@@ -112,7 +112,8 @@ void writePlantation(const fs::path& path) {
     asset.node({{"mesh", mesh},
                 {"extensions",
                  {{"EXT_mesh_gpu_instancing",
-                   {{"attributes", {{"TRANSLATION", asset.floats(places, "VEC3")}, {"ROTATION", asset.floats(turns, "VEC4")}}}}}}}});
+                   {{"attributes",
+                     {{"TRANSLATION", asset.floats(places, "VEC3")}, {"ROTATION", asset.floats(turns, "VEC4")}}}}}}}});
     asset.node({{"mesh", mesh}, {"scale", {-0.5, 2, 1}}});
     writeFileAtomically(path, asset.glb());
 }

@@ -38,7 +38,8 @@ std::vector<Variant> variants() {
     result.push_back({"bvh", {.walk = "skip", .arity = 8}});
     result.push_back({"bvh", {.build = "sbvh"}});
     for (const uint32_t arity : {2, 4, 8})
-        for (const uint32_t precision : {32, 16, 8}) result.push_back({"bvh", {.walk = "trail", .arity = arity, .precision = precision}});
+        for (const uint32_t precision : {32, 16, 8})
+            result.push_back({"bvh", {.walk = "trail", .arity = arity, .precision = precision}});
     result.push_back({"bvh", {.build = "sbvh", .walk = "trail", .precision = 8}});
     return result;
 }

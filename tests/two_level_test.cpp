@@ -199,7 +199,8 @@ TEST(TwoLevels, WriteOutInstancesThatCannotBeWalkedInTheirOwnSpace) {
     const Box box{vec3(-1), vec3(1)};
     const auto isKept = [&](const dmat4& m) { return fits(placementOf(m), box, 2.0f); };
     const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-    for (const dvec3 s : {dvec3(1), dvec3(-1, 1, 1), dvec3(1e-3), dvec3(1e-7), dvec3(1e-30), dvec3(1, 8, 3), dvec3(0.2, 1, 1), dvec3(1, 1, 0.01)})
+    for (const dvec3 s : {dvec3(1), dvec3(-1, 1, 1), dvec3(1e-3), dvec3(1e-7), dvec3(1e-30), dvec3(1, 8, 3),
+                          dvec3(0.2, 1, 1), dvec3(1, 1, 0.01)})
         EXPECT_TRUE(isKept(scaledBy(s))) << s.x << ' ' << s.y << ' ' << s.z;
     for (const dvec3 s : {dvec3(0), dvec3(1, 1, 0), dvec3(1, 1, 1e-8), dvec3(1, 1e-30, 1), dvec3(nan, 1, 1),
                           dvec3(infinity, 1, 1), dvec3(1e-4, 1, 1e4)})
@@ -266,8 +267,8 @@ TEST(TwoLevels, LetLightThroughWhereTheSceneWrittenOutDoes) {
 class TwoLevelsOnDevice : public OnEveryDevice {};
 INSTANTIATE_TEST_SUITE_P(Devices, TwoLevelsOnDevice, testing::ValuesIn(devicesToTest()), testName);
 
-// Compiling a kernel takes far longer than these rays: bvh sees all groves, other structures one, and where compiling is slowest
-// only bvh does; in a long run each device sees everything.
+// Compiling a kernel takes far longer than these rays: bvh sees all groves, other structures one, and where compiling is
+// slowest only bvh does; in a long run each device sees everything.
 TEST_P(TwoLevelsOnDevice, HaveTheHitsOfTheSceneWrittenOutToTheBit) {
     Device device(info);
     const bool slow = GetParam() == "SwiftShader" && !isLong();
@@ -286,13 +287,14 @@ TEST_P(TwoLevelsOnDevice, HaveTheHitsOfTheSceneWrittenOutToTheBit) {
     }
 }
 
-// Walks that one dispatch does not finish go on in the next, in whichever instance they were: 40 piles of 1,500 triangles each,
-// all in the same place but for the last triangle of each pile.
+// Walks that one dispatch does not finish go on in the next, in whichever instance they were: 40 piles of 1,500 triangles
+// each, all in the same place but for the last triangle of each pile.
 TEST_P(TwoLevelsOnDevice, TakeUpLongWalksWhereTheyStopped) {
     if (GetParam() == "SwiftShader" && !isLong()) GTEST_SKIP() << info.name << " takes a minute: see the long tests";
     Device device(info);
     Mesh pile;
-    pile.positions = {vec3(-1, -1, 1), vec3(1, -1, 1), vec3(0, 1, 1), vec3(-1, -1, 0.5f), vec3(1, -1, 0.5f), vec3(0, 1, 0.5f)};
+    pile.positions = {vec3(-1, -1, 1),    vec3(1, -1, 1),    vec3(0, 1, 1),
+                      vec3(-1, -1, 0.5f), vec3(1, -1, 0.5f), vec3(0, 1, 0.5f)};
     pile.triangles.assign(1'500, {0, 1, 2});
     pile.triangles.back() = {3, 4, 5};
     pile.materials.assign(1'500, 0);

@@ -46,14 +46,14 @@ void printReport(const std::string& scene, size_t triangles, const BenchReport& 
     for (const BenchBuild& b : report.builds)
         fmt::print("{:10} {:24} {:>10.4f} {:>22} {:>12.1f} {:>9.2f}\n", b.structure, b.walk, b.seconds.median, ratioText(b.toEmbree),
                    double(b.statistics.bytes) / double(std::max<size_t>(triangles, 1)), b.statistics.sahCost);
-    fmt::print("\n{:10} {:9} {:>9} {:>9} {:>9} {:>22} {:>8} {:>8} {:>8} {:>8}\n", "structure", "rays", "Mrays/s", "Embree", "hits",
-               "of Embree's", "visits", "boxes", "tests", "links");
+    fmt::print("\n{:10} {:9} {:>9} {:>9} {:>9} {:>22} {:>8} {:>8} {:>8} {:>8}\n", "structure", "rays", "Mrays/s", "Embree",
+               "hits", "of Embree's", "visits", "boxes", "tests", "links");
     for (const BenchResult& r : report.results) {
         const auto perRay = [&](uint64_t all) { return static_cast<double>(all) / static_cast<double>(r.count); };
-        fmt::print("{:10} {:9} {:>9.2f} {:>9} {:>9} {:>22} {:>8.1f} {:>8.1f} {:>8.2f} {:>8.2f}\n", r.structure, r.rays, r.megaRays.median,
-                   r.embree ? fmt::format("{:.2f}", r.embree->median) : "-", r.hits, ratioText(r.toEmbree),
-                   perRay(r.counters.nodeFetches), perRay(r.counters.boxTests), perRay(r.counters.triangleTests),
-                   perRay(r.counters.linkReads));
+        fmt::print("{:10} {:9} {:>9.2f} {:>9} {:>9} {:>22} {:>8.1f} {:>8.1f} {:>8.2f} {:>8.2f}\n", r.structure, r.rays,
+                   r.megaRays.median, r.embree ? fmt::format("{:.2f}", r.embree->median) : "-", r.hits,
+                   ratioText(r.toEmbree), perRay(r.counters.nodeFetches), perRay(r.counters.boxTests),
+                   perRay(r.counters.triangleTests), perRay(r.counters.linkReads));
     }
     fmt::print("\n");
 }

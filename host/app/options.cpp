@@ -121,8 +121,9 @@ void addStructure(CLI::App& app, Options& options, const std::string& more = "au
             value = *number;
         };
     };
-    app.add_option_function<std::string>("--arity", parseChoice("--arity", params.arity, {2, 4, 8}),
-                                         "most children of a node of bvh: 2, 4 or 8 (default: 4, unless --walk auto picks 2)")
+    app.add_option_function<std::string>(
+           "--arity", parseChoice("--arity", params.arity, {2, 4, 8}),
+           "most children of a node of bvh: 2, 4 or 8 (default: 4, unless --walk auto picks 2)")
         ->type_name("N");
     app.add_option_function<std::string>("--precision", parseChoice("--precision", params.precision, {32, 16, 8}),
                                          "bits of a plane of bvh's boxes: 32, 16 or 8 (default: as suits the scene)")

@@ -71,8 +71,9 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
               setup->structure.walk, built.nodes, built.depth, setup->bytesPerTriangle(), source.origin(setup->structure));
 
     if (setup->structure.isInstanced())
-        log::note("instances: {} triangles are {} in memory, in {} places; {:.1f} MiB in all", setup->geometry.primitiveCount(),
-                  setup->structure.statistics.references, setup->structure.instances, double(built.bytes) / (1 << 20));
+        log::note("instances: {} triangles are {} in memory, in {} places; {:.1f} MiB in all",
+                  setup->geometry.primitiveCount(), setup->structure.statistics.references, setup->structure.instances,
+                  double(built.bytes) / (1 << 20));
 
     start = Clock::now();
     if (info) {

@@ -1,5 +1,5 @@
-/// Loops, calls, sums and sorts over all cores, by oneTBB. The order in which pieces run is unspecified: write only to what is
-/// your own. All of the program's parallel work starts here.
+/// Loops, calls, sums and sorts over all cores, by oneTBB. The order in which pieces run is unspecified: write only to what
+/// is your own. All of the program's parallel work starts here.
 #pragma once
 
 // GCC says so in one way, clang in the other.
@@ -40,8 +40,8 @@ void parallelInvoke(const First& first, const Second& second) {
     tbb::parallel_invoke(first, second);
 }
 
-/// What `over(begin, end, value)` makes of `identity` over [0, count): pieces of about `grain` indices, whose values are joined
-/// by `join(a, b)`. The same in every run if it does not matter how the range is cut.
+/// What `over(begin, end, value)` makes of `identity` over [0, count): pieces of about `grain` indices, whose values are
+/// joined by `join(a, b)`. The same in every run if it does not matter how the range is cut.
 template <class Value, class Over, class Join>
 Value parallelReduce(size_t count, size_t grain, const Value& identity, const Over& over, const Join& join) {
     return tbb::parallel_reduce(

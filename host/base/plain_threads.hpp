@@ -1,5 +1,5 @@
-/// The functions of base/parallel.hpp on threads of their own, for ThreadSanitizer: it cannot look into oneTBB's library, and so
-/// takes what one thread hands to another there for a race. Slow, and for that build only.
+/// The functions of base/parallel.hpp on threads of their own, for ThreadSanitizer: it cannot look into oneTBB's library,
+/// and so takes what one thread hands to another there for a race. Slow, and for that build only.
 #pragma once
 
 #include <algorithm>

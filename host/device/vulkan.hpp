@@ -123,7 +123,8 @@ struct Device::State {
     uint64_t cacheHash = 0;  ///< of what was read from the file
     bool cacheGrew = false;
 
-    /// Kernels made so far: the same one again costs nothing. Kept, as whoever traces much makes the same few again and again.
+    /// Kernels made so far: the same one again costs nothing. Kept, as whoever traces much makes the same few again and
+    /// again.
     std::map<vk::PipelineKey, std::unique_ptr<vk::Pipeline>> pipelines;
 
     std::shared_ptr<vk::BufferState> staging;  ///< made when first needed

@@ -36,8 +36,8 @@ uint64_t mostStepsOf(const Structure& structure) {
 }
 
 CorruptStructure::CorruptStructure(const Structure& structure)
-    : std::logic_error(fmt::format("the {} structure is corrupt: a walk through it does not end within {} steps", structure.name,
-                                   mostStepsOf(structure))) {}
+    : std::logic_error(fmt::format("the {} structure is corrupt: a walk through it does not end within {} steps",
+                                   structure.name, mostStepsOf(structure))) {}
 
 namespace {
 

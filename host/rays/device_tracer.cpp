@@ -22,7 +22,7 @@ constexpr uint32_t mostRaysAtOnce = 1u << 20;  // of trace(): 48 MiB of rays and
 // below the 65,535 after which Mesa 22.3's llvmpipe silently stops looping.
 constexpr uint32_t wholeSteps = 512;  // few walks are longer, and then a few long ones would keep many short ones waiting
 constexpr uint32_t firstSteps = 64;
-constexpr uint32_t instancedFactor = 16;  // through two levels these are so many times longer: rounds are counted by their most
+constexpr uint32_t instancedFactor = 16;  // both, through two levels: rounds are counted by their most
 constexpr uint32_t mostSteps = 16384;
 
 /// Push constants of shaders/trace.comp.in.
@@ -215,7 +215,8 @@ private:
         counts_.download(std::as_writable_bytes(std::span(&counts, 1)));
         report.seconds += ran.seconds;
         report.deviceSeconds += ran.deviceSeconds;
-        report.counters += {joined(counts.nodeFetches), joined(counts.triangleTests), joined(counts.boxTests), joined(counts.linkReads)};
+        report.counters +=
+            {joined(counts.nodeFetches), joined(counts.triangleTests), joined(counts.boxTests), joined(counts.linkReads)};
         return counts.unfinished;
     }
 

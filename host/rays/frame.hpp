@@ -54,8 +54,9 @@ using FrameProgress = std::function<void(double fractionDone, double raysDone)>;
 
 /// Renders on the CPU, over all cores.
 ///
-/// Requires  geometry == flatten(scene), or gatherInstances(scene), which gives the same picture; `tracer` of its triangles, one
-///           level or two, with those that let light through marked so (markSeeThrough in rays/lights.hpp); options.camera < scene.cameras.size(); sizes and samples > 0, samples <= 65536.
+/// Requires  geometry == flatten(scene), or gatherInstances(scene), which gives the same picture; `tracer` of its triangles,
+///           one level or two, with those that let light through marked so (markSeeThrough in rays/lights.hpp);
+///           options.camera < scene.cameras.size(); sizes and samples > 0, samples <= 65536.
 /// Ensures   no pixel's radiance is NaN or infinite unless the scene's numbers overflow.
 /// Cost      samples * width * height * (1 + lights) rays for diffuse scenes; memory: the picture and tiles of some 64 MB.
 ///           Throws limitError if the picture has more than 2^31 pixels or a pixel's rays do not fit the memory of a tile.

@@ -23,8 +23,8 @@ std::vector<Emitter> listEmitters(const Scene& scene, const Geometry& geometry);
 /// Empty if there are none.
 std::vector<uint8_t> findSeeThrough(const Scene& scene, const Geometry& geometry);
 
-/// Marks the references to them as no obstacle to shadow rays. Requires a structure of the geometry's triangles, of one level or
-/// two; of two, geometry.isInstanced(). O(references), for those with global ids O(log instances) each.
+/// Marks the references to them as no obstacle to shadow rays. Requires a structure of the geometry's triangles, of one
+/// level or two; of two, geometry.isInstanced(). O(references), for those with global ids O(log instances) each.
 void markSeeThrough(const Scene& scene, const Geometry& geometry, Structure& structure);
 
 }  // namespace raig

@@ -23,8 +23,8 @@ PlacedScene placedScene(const Geometry& geometry, const KeepRule& rule) {
     scene.positions = geometry.positions;
     scene.bounds = geometry.bounds;
     for (const Geometry::Stored& stored : geometry.stored)
-        scene.meshes.push_back({std::span(geometry.triangles).subspan(stored.firstTriangle, stored.triangles), stored.firstVertex,
-                                stored.vertices, stored.triangles >= rule.leastTriangles});
+        scene.meshes.push_back({std::span(geometry.triangles).subspan(stored.firstTriangle, stored.triangles),
+                                stored.firstVertex, stored.vertices, stored.triangles >= rule.leastTriangles});
     for (size_t i = 0; i < geometry.placed.size(); ++i) {
         const Geometry::Placed& placed = geometry.placed[i];
         scene.instances.push_back({placed.mesh, geometry.firstTriangle[i], placed.placement, placed.mirrored});

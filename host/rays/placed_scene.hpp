@@ -14,7 +14,8 @@ struct KeepRule {
 /// Where memory decides: a smaller mesh takes no more written out than the record of an instance.
 inline constexpr KeepRule worthwhile{.leastTriangles = 32};
 
-/// Primitives that would be stored: triangles once for meshes that the rule keeps, all others once an instance. Of all, written out.
+/// Primitives that would be stored: triangles once for meshes that the rule keeps, all others once an instance. Of all,
+/// written out.
 struct TriangleCounts {
     uint64_t stored = 0;
     uint64_t writtenOut = 0;

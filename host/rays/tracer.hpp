@@ -18,7 +18,7 @@ class Commands;
 struct WalkCounters {
     uint64_t nodeFetches = 0;    ///< nodes or cells read, each time
     uint64_t triangleTests = 0;
-    uint64_t boxTests = 0;       ///< bounds of nodes, of whatever kind, against a ray: a node may hold those of all its children
+    uint64_t boxTests = 0;       ///< bounds of nodes, whatever kind, against a ray: a node may hold those of its children
     uint64_t linkReads = 0;      ///< links that lie apart from nodes
 
     WalkCounters& operator+=(const WalkCounters& other) {

@@ -46,8 +46,8 @@ struct BinaryTree {
 /// Source: Wald, Benthin, Boulos 2008, "Getting Rid of Packets".
 void widen(BinaryTree& tree, uint32_t arity);
 
-/// Drops the nodes that are not reached from node 0, and gives back their memory. The others keep their order. O(nodes), with
-/// four bytes for each on top.
+/// Drops the nodes that are not reached from node 0, and gives back their memory. The others keep their order. O(nodes),
+/// with four bytes for each on top.
 void compact(BinaryTree& tree);
 
 /// Makes leaves of all subtrees with at most maxLeaf references. O(nodes).

@@ -8,8 +8,8 @@
 /// (--walk skip); or eight, one for each octant of ray directions, children near first, boxes as (near, far) planes of 32 or 16
 /// bits, or spheres, oriented boxes, k-DOPs (--walk octants). 16-bit planes lie on a grid over the scene, rounded outwards.
 /// Each copy ends in nodes that no ray hits but from very far away, whose words are their own indices: the end of the walk.
-/// Or one copy whose nodes hold the boxes of all their children, visited near first whatever the ray's octant, with planes of 32,
-/// 16 or 8 bits (--walk trail): structures/bvh_trail.hpp. All others:
+/// Or one copy whose nodes hold the boxes of all their children, visited near first whatever the ray's octant, with planes
+/// of 32, 16 or 8 bits (--walk trail): structures/bvh_trail.hpp. All others:
 /// word: the skip link; or 1 << 31 | first triangle << 4 | count (1 to 15) of a leaf.
 ///
 /// Builders are in structures/bvh_builders.hpp, bounds in structures/bvh_bounds.hpp. Skip links follow [Smits 1998, "Efficiency

@@ -11,8 +11,8 @@
 
 namespace raig {
 
-/// Surface area heuristic over up to 16 bins an axis of the centroids' bounds, finer ones beside the best split where it pays, and
-/// every place where few references are left. O(n log n) expected; 32 n bytes beside the result.
+/// Surface area heuristic over up to 16 bins an axis of the centroids' bounds, finer ones beside the best split where it
+/// pays, and every place where few references are left. O(n log n) expected; 32 n bytes beside the result.
 /// Source: Wald 2007, "On fast Construction of SAH-based Bounding Volume Hierarchies".
 BinaryTree buildBinnedSah(std::vector<BoxReference> references, uint32_t maxLeaf, const SahCosts& costs);
 

@@ -148,7 +148,8 @@ std::optional<std::string> findFault(const Structure& structure, std::span<const
     if (header.walk >= shared::MAX_WALKS) return "there is no such walk";
     if (auto fault = findReferenceFault(structure, triangles)) return fault;
     if (isTrail(header)) return findTrailFault(structure, triangles);
-    if (structure.nodes.size() != copies(structure) * nodesACopy(header) * nodeTexels(header)) return "node count and array differ";
+    if (structure.nodes.size() != copies(structure) * nodesACopy(header) * nodeTexels(header))
+        return "node count and array differ";
     std::vector<std::optional<std::string>> faults(copies(structure));
     parallelFor(faults.size(), 1, [&](size_t begin, size_t end) {
         for (size_t octant = begin; octant < end; ++octant) {

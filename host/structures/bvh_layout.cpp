@@ -288,8 +288,9 @@ uint64_t referenceBytes(const BinaryTree& tree) { return tree.references.size() 
 void checkBudget(uint64_t texels, const BinaryTree& tree, uint64_t memoryBudget) {
     const uint64_t bytes = texels * sizeof(uvec4) + referenceBytes(tree);
     if (bytes > memoryBudget)
-        throw limitError("bvh needs {} MiB and --memory-budget allows {}: raise it, or choose another structure or --max-leaf",
-                         bytes >> 20, memoryBudget >> 20);
+        throw limitError(
+            "bvh needs {} MiB and --memory-budget allows {}: raise it, or choose another structure or --max-leaf",
+            bytes >> 20, memoryBudget >> 20);
 }
 
 uint32_t nodeTexels(const StructureHeader& header) {

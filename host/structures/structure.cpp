@@ -76,7 +76,8 @@ bool Structure::hasSpheres() const {
 
 std::string_view Structure::walkFile() const {
     static constexpr std::string_view trails[] = {"bvh_trail2", "bvh_trail4", "bvh_trail8"};
-    return name == "bvh" && header.walk >= shared::WALK_TRAIL ? trails[(header.walk - shared::WALK_TRAIL) % 3] : std::string_view(name);
+    return name == "bvh" && header.walk >= shared::WALK_TRAIL ? trails[(header.walk - shared::WALK_TRAIL) % 3]
+                                                              : std::string_view(name);
 }
 
 void Structure::markSeeThrough(std::span<const uint8_t> seeThrough) {

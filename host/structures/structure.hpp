@@ -107,15 +107,16 @@ struct Structure {
     uint32_t instances = 0;  ///< of two levels: how many there are
     std::vector<std::string> remarks;  ///< what a person should know, such as that the memory budget stopped the builder
 
-    /// The file of shaders/structures/ that has its walk, without its ending: of the structure's name, and for some walks of bvh
-    /// another.
+    /// The file of shaders/structures/ that has its walk, without its ending: of the structure's name, and for some walks of
+    /// bvh another.
     std::string_view walkFile() const;
 
     /// Marks the references to primitives i with seeThrough[i] != 0 as no obstacle to shadow rays.
     /// Requires a flag for each primitive that the structure was built over, and one level.
     void markSeeThrough(std::span<const uint8_t> seeThrough);
     /// The same of references [first, first + count), for ids for which `isSeeThrough` holds.
-    void markSeeThrough(const std::function<bool(uint32_t)>& isSeeThrough, uint64_t first = 0, uint64_t count = ~uint64_t{0});
+    void markSeeThrough(const std::function<bool(uint32_t)>& isSeeThrough, uint64_t first = 0,
+                        uint64_t count = ~uint64_t{0});
 
     /// True if a reference is a sphere: walks that need not test any are compiled without. O(references), in parallel.
     bool hasSpheres() const;

@@ -36,7 +36,7 @@ uint32_t writeCopy(const BinaryTree& tree, float unit, uint32_t octant, std::spa
     };
     constexpr uint32_t none = 0xffffffffu;
     std::vector<Entry> pending{{0, 1, none}};
-    std::vector<uint32_t> ends(nodes.size() / 2, none);  // of the node at a place: the ancestor whose subtree ends with its own
+    std::vector<uint32_t> ends(nodes.size() / 2, none);  // of each node: the ancestor whose subtree ends with its own
     uint32_t next = 0, depth = 0;
     while (!pending.empty()) {
         const Entry at = pending.back();

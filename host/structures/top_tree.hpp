@@ -16,8 +16,8 @@ struct TopTree {
     std::vector<double> visits;  ///< of each box: how likely a random ray through the scene meets it
 };
 
-/// Builds over boxes in the world, `unit` being the scene's. Eight copies, one for each octant of directions, up to 2^16 boxes.
-/// Requires at least one box, none of them empty. O(n log^2 n), beyond 4096 boxes O(n log n).
+/// Builds over boxes in the world, `unit` being the scene's. Eight copies, one for each octant of directions, up to 2^16
+/// boxes. Requires at least one box, none of them empty. O(n log^2 n), beyond 4096 boxes O(n log n).
 TopTree buildTopTree(std::span<const Box> boxes, float unit);
 
 /// Bytes of the nodes that buildTopTree makes of so many boxes.

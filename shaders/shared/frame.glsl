@@ -106,12 +106,12 @@ CONSTANT uint FEATURE_INSTANCES = 512u;    // meshes are stored once, in their o
 
 // The scene's data is an array of uvec4. A triangle is one element: its vertices and its material; and so is a sphere in its
 // place: where it is among the spheres, NO_VERTEX, NO_VERTEX, material. A sphere is one element: centre, radius. A vertex is
-// `vertexStride`: position and u; normal and v if there are normals or uvs; colour if there are colours. If there are instances,
-// spheres are in the world all the same, each instance's. An instance is FRAME_INSTANCE_STRIDE: Placement, then NormalPlacement
-// with first id | where its mesh's triangles begin, less the first id (modulo 2^32) | its first sphere << 1, and 1 if corners 1 and
-// 2 change places. An emitter is one element: cumulated
-// probability, triangle, area, 0. Textures: one element each (first texel's element, width, height, wraps), then the texels,
-// four an element.
+// `vertexStride`: position and u; normal and v if there are normals or uvs; colour if there are colours. If there are
+// instances, spheres are in the world all the same, each instance's. An instance is FRAME_INSTANCE_STRIDE: Placement, then
+// NormalPlacement with first id | where its mesh's triangles begin, less the first id (modulo 2^32) | its first sphere << 1,
+// and 1 if corners 1 and 2 change places. An emitter is one element: cumulated probability,
+// triangle, area, 0. Textures: one element each (first texel's element, width, height, wraps), then the texels, four an
+// element.
 CONSTANT uint MATERIAL_STRIDE = 5u;  // diffuse gloss | mirror ior | transmission flags | absorption texture | emission 0
 CONSTANT uint FRAME_INSTANCE_STRIDE = 6u;
 CONSTANT uint LIGHT_STRIDE = 4u;     // position type | direction range | intensity cos(outer) | cos(inner) shadows 0 0

@@ -2,9 +2,9 @@
 // C++ for the CPU, where it is included inside a namespace or a class that has GLM's names in view.
 //
 // The common subset: every float literal has its `f` (C++ would compute in double), no swizzles, no implicit conversions, no
-// array constructors; a parameter that is written to is INOUT(T), a constant
-// of a file is CONSTANT, and a function of a file under shared/ is a SHARED_FUNCTION; no built-in of GLSL whose result the host cannot repeat
-// where bits matter (normalize, inversesqrt, fma, min and max on a possible NaN, sin, cos, pow).
+// array constructors; a parameter that is written to is INOUT(T), a constant of a file is CONSTANT,
+// and a function of a file under shared/ is a SHARED_FUNCTION; no built-in of GLSL whose result the host cannot repeat where
+// bits matter (normalize, inversesqrt, fma, min and max on a possible NaN, sin, cos, pow).
 #ifndef RAIG_LANGUAGE
 #define RAIG_LANGUAGE
 

@@ -1,5 +1,5 @@
-// Where an instance puts what is in its mesh: one formula in single precision for whoever writes instances out and for whoever
-// places them while tracing. So both have the same vertices, to the bit.
+// Where an instance puts what is in its mesh: one formula in single precision for whoever writes instances out and for
+// whoever places them while tracing. So both have the same vertices, to the bit.
 #ifndef RAIG_SHARED_PLACE
 #define RAIG_SHARED_PLACE
 
@@ -10,16 +10,17 @@ struct Placement {
     vec4 z;
 };
 
-// What normals are multiplied by, row by row: the transform's cofactors, turned so that outside stays outside, and scaled so that
-// the largest has magnitude [1, 2). Only the direction matters, and cofactors have it even where no inverse exists.
+// What normals are multiplied by, row by row: the transform's cofactors, turned so that outside stays outside, and scaled so
+// that the largest has magnitude [1, 2). Only the direction matters, and cofactors have it even where no inverse exists.
 struct NormalPlacement {
     vec3 x;
     vec3 y;
     vec3 z;
 };
 
-// The place of a point. The identity returns the point itself (but +0 for -0). With A = |x.x p.x| + |x.y p.y| + |x.z p.z| + |x.w|, a
-// component is off by less than 4.01 u A, u = 2^-24: each product is rounded at most four times, with the sums it is part of.
+// The place of a point. The identity returns the point itself (but +0 for -0). With A = |x.x p.x| + |x.y p.y| + |x.z p.z| +
+// |x.w|, a component is off by less than 4.01 u A, u = 2^-24: each product is rounded at most four times, with the sums it
+// is part of.
 SHARED_FUNCTION vec3 placePoint(Placement m, vec3 p) {
     precise float x = ((m.x.x * p.x + m.x.y * p.y) + m.x.z * p.z) + m.x.w;
     precise float y = ((m.y.x * p.x + m.y.y * p.y) + m.y.z * p.z) + m.y.w;

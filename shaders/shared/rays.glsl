@@ -14,8 +14,8 @@ struct Ray {
     float tMax;
 };
 
-// The point (1 - u - v) a + u b + v c of triangle `primitive` (its global id) with corners a, b, c, at distance t. Of a sphere:
-// its point at distance t; u and v are 0.
+// The point (1 - u - v) a + u b + v c of triangle `primitive` (its global id) with corners a, b, c, at distance t. Of a
+// sphere: its point at distance t; u and v are 0.
 struct Hit {
     float t;
     float u;

@@ -150,8 +150,8 @@ void descend(WalkRay ray, BspRay b, float tMax, uvec4 node, INOUT(BspPlace) plac
     bool goesFar = entersFar && (!entersNear || takenUp);
         uint below = node.w & BSP_INDEX;
     uint above = noBelow || noAbove ? below : below + 1u;
-    // Children come after their parents, so every way down ends. Where they do not, the walk stays here and does not end, which
-    // whoever makes it notices after mostSteps().
+    // Children come after their parents, so every way down ends. Where they do not, the walk stays here and does not end,
+    // which whoever makes it notices after mostSteps().
     bool sound = below > place.node && above < header.nodeCount;
     bool waits = entersNear && entersFar && !takenUp && enterFar <= tMax && sound;
     uint nearChild = rises ? below : above;

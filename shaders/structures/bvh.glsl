@@ -5,7 +5,8 @@
 // walks differ in how many trees there are and what bounds a node (WALK_* in shared/structure.glsl): one for each octant
 // of directions has the nearer child first in each, and boxes stored as (near plane, far plane).
 //
-// Requires  nodes[] and triangles[] as built by host/structures/bvh.cpp for header.walk, less than WALK_TRAIL (trail.glsl has those).
+// Requires  nodes[] and triangles[] as built by host/structures/bvh.cpp for header.walk, less than WALK_TRAIL (trail.glsl
+//           has those).
 // Ensures   as every walk (shaders/trace.glsl).
 // Cost      at.x only grows, so a node is visited at most once; no stack, no shared memory. One step tests up to six nodes
 //           for the rays that hold no leaf, then one triangle for those that do: wide devices run both sides of a branch.

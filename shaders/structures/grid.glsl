@@ -22,9 +22,9 @@
 //
 // Requires  nodes[] and triangles[] as built by host/structures/grid.cpp for header.walk: how many levels, less one.
 // Ensures   as every walk (shaders/trace.glsl).
-// Cost      Near: a walk meets at most one cell more than it passes planes. Links of a damaged structure cannot make it loop, as
-//           indices of cells only move on; a list that runs on beyond the last does not end, which whoever makes the walk notices
-//           after mostSteps().
+// Cost      Near: a walk meets at most one cell more than it passes planes. Links of a damaged structure cannot make it
+//           loop, as indices of cells only move on; a list that runs on beyond the last does not end, which whoever makes
+//           the walk notices after mostSteps().
 // Source    Amanatides, Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing", without its sums; two levels: Kalojanov,
 //           Billeter, Slusallek 2011, "Two-Level Grids for Ray Tracing on GPUs".
 
@@ -290,8 +290,8 @@ void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
     for (uint step = 0u; grid.isFar && at.y < DONE && step < maxSteps; ++step) stepFar(ray, grid, at, best);
 }
 
-// Far off, each cell is met once, and then every triangle; each list is gone through once a cell and part that has it. Twice, as
-// slices may be empty.
+// Far off, each cell is met once, and then every triangle; each list is gone through once a cell and part that has it.
+// Twice, as slices may be empty.
 float mostSteps() {
     uvec4 lists = nodes_at(1u);
     float words = 4.0f * float(int(lists.x)) + float(int(lists.y));

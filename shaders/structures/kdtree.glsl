@@ -14,8 +14,8 @@
 // Cost      no stack: a trail of one bit a level tells where the second half was taken, and the walk begins again from the
 //           last node above which nothing is due. WALK_SHORT_STACK has the last two halves that are due in registers and seldom
 //           does. Each beginning sets a bit of the trail and clears lower ones, so it only grows; node numbers grow on the way
-//           down, places grow in a list, and there are no more beginnings than nodes. A link that leads backwards or out leads
-//           nowhere: such a walk does not end, and whoever makes it notices after mostSteps().
+//           down, places grow in a list, and there are no more beginnings than nodes. A link that leads backwards or out
+//           leads nowhere: such a walk does not end, and whoever makes it notices after mostSteps().
 // Source    Laine 2010, "Restart Trail for Stackless BVH Traversal"; Foley, Sugerman 2005, "KD-Tree Acceleration Structures for
 //           a GPU Raytracer"; Horn et al. 2007, "Interactive k-D Tree GPU Raytracing" (short stack, push-down). Neighbour
 //           links [Popov et al. 2007] would need to follow several cells at once where the slack reaches into them.

@@ -239,7 +239,8 @@ void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
     at.w = either(stands, either(isListed, s.here.node - LEAF, 0u), at.w);
 }
 
-// Each record is left once for each of its octants at most, 20 levels down by two each time, and one step a word of the lists.
+// Each record is left once for each of its octants at most, 20 levels down by two each time, and one step a word of the
+// lists.
 float mostSteps() {
     uvec4 sizes = nodes_at(0u);
     return 24.0f * float(int(header.nodeCount)) + float(int(sizes.y)) + 64.0f;

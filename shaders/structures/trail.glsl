@@ -1,26 +1,28 @@
 // Finds the closest triangle that `ray` hits, walking a tree whose nodes hold the boxes of all their children, near first.
 //
-// A node has TRAIL_ARITY slots for children, 2, 4 or 8: each has a box, and a word: the number of a node, or a leaf (the top bit,
-// the number of its first triangle << 4 | how many), or NONE. Beyond the nodes each has a link: the number of its parent << 3 | its slot there.
+// A node has TRAIL_ARITY slots for children, 2, 4 or 8: each has a box, and a word: the number of a node, or a leaf (the top
+// bit, the number of its first triangle << 4 | how many), or NONE. Beyond the nodes each has a link: the number of its
+// parent << 3 | its slot there.
 //
-// Children are visited in the order of their keys: the bits of the distance at which the ray enters the box, the last three of
-// them replaced by the slot. A key says the same whenever the node is read again, as it does not depend on the best hit. So the
-// place (parent, slot) of the child at hand tells all that is due: the children with higher keys of every node above it. Of
-// these the walk keeps
+// Children are visited in the order of their keys: the bits of the distance at which the ray enters the box, the last three
+// of them replaced by the slot. A key says the same whenever the node is read again, as it does not depend on the best hit.
+// So the place (parent, slot) of the child at hand tells all that is due: the children with higher keys of every node above
+// it. Of these the walk keeps
 //     `due`     one bit a level, bit 0 that of the parent: there are children with higher keys that the ray met
 //     a to d    the four that come next, with their keys: what is no nearer than the best hit is dropped without being read
-// and where those four are used up, it goes up by links to the lowest level that is due, reads the node again, and goes on after
-// the slot it came from. (Unless `earliest`, before which none of the others is entered, is beyond the best hit: then it ends.)
+// and where those four are used up, it goes up by links to the lowest level that is due, reads the node again, and goes on
+// after the slot it came from. (Unless `earliest`, before which none of the others is entered, is beyond the best hit: then
+// it ends.)
 //
 // Requires  nodes[] and triangles[] as built by host/structures/bvh_trail.cpp for header.walk.
 // Ensures   as every walk (shaders/trace.glsl).
 // Cost      no stack in memory. A walk that is taken up again reads one node twice, and has the four to find again.
-//           Node numbers grow on the way down and fall on the way up. Where links say otherwise, the walk stays and does not end,
-//           which whoever makes it notices after mostSteps().
+//           Node numbers grow on the way down and fall on the way up. Where links say otherwise, the walk stays and does not
+//           end, which whoever makes it notices after mostSteps().
 // Source    Hapala et al. 2011, "Efficient Stack-less BVH Traversal for Ray Tracing"; Afra, Szirmay-Kalos 2014, "Stackless
-//           Multi-BVH Traversal for CPU, MIC and GPU Ray Tracing" (a bit a level); Vaidyanathan, Woop, Benthin 2019, "Wide BVH
-//           Traversal with a Short Stack"; planes of 8 bits: Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on
-//           GPUs Through Compressed Wide BVHs".
+//           Multi-BVH Traversal for CPU, MIC and GPU Ray Tracing" (a bit a level); Vaidyanathan, Woop, Benthin 2019, "Wide
+//           BVH Traversal with a Short Stack"; planes of 8 bits: Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray
+//           Traversal on GPUs Through Compressed Wide BVHs".
 
 CONSTANT uint LEAF = 0x80000000u;
 CONSTANT uint NONE = 0xffffffffu;
@@ -255,8 +257,8 @@ void stepInto(WalkRay ray, TrailRay t, float tMax, INOUT(Trail) s) {
     }
 }
 
-// at.x: the place of the child at hand, parent << 3 | slot, and what is to be done there (AT_*). at.y: how many triangles of the leaf
-// are tested. at.zw: `due`.
+// at.x: the place of the child at hand, parent << 3 | slot, and what is to be done there (AT_*). at.y: how many triangles of
+// the leaf are tested. at.zw: `due`.
 Trail takeUpTrail(uvec4 at) {
     Due none = Due(NONE, NONE, 0u);
     Trail s;
@@ -304,8 +306,8 @@ void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
     at.w = s.due.y;
 }
 
-// Each node is entered once and left upwards once, each child comes off the stack or is gone back to once, and each triangle is
-// tested once.
+// Each node is entered once and left upwards once, each child comes off the stack or is gone back to once, and each triangle
+// is tested once.
 float mostSteps() {
     return float(int(2u * TRAIL_ARITY + 4u)) * float(int(header.nodeCount)) + float(int(header.triangleCount)) + 64.0f;
 }

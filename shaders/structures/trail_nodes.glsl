@@ -24,7 +24,9 @@ struct Children {
 uint choose(bool first, uint a, uint b) { return mix(b, a, first); }
 vec4 maxOf(vec4 a, vec4 b) { return intBitsToFloat(max(floatBitsToInt(a), floatBitsToInt(b))); }
 vec4 minOf(vec4 a, vec4 b) { return intBitsToFloat(min(floatBitsToInt(a), floatBitsToInt(b))); }
-uint laneOf(uvec4 v, uint i) { return choose((i & 2u) != 0u, choose((i & 1u) != 0u, v.w, v.z), choose((i & 1u) != 0u, v.y, v.x)); }
+uint laneOf(uvec4 v, uint i) {
+    return choose((i & 2u) != 0u, choose((i & 1u) != 0u, v.w, v.z), choose((i & 1u) != 0u, v.y, v.x));
+}
 
 TrailRay prepareTrail(WalkRay ray) {
     TrailRay t;
@@ -46,8 +48,8 @@ TrailRay prepareTrail(WalkRay ray) {
 }
 
 // The keys of four children, from when the ray is between their planes along each axis.
-uvec4 keysOf(WalkRay ray, vec4 enterX, vec4 enterY, vec4 enterZ, vec4 leaveX, vec4 leaveY, vec4 leaveZ, float tMax, uint slot,
-             uvec4 words, INOUT(uvec4) met) {
+uvec4 keysOf(WalkRay ray, vec4 enterX, vec4 enterY, vec4 enterZ, vec4 leaveX, vec4 leaveY, vec4 leaveZ, float tMax,
+             uint slot, uvec4 words, INOUT(uvec4) met) {
     vec4 first = maxOf(maxOf(enterX, enterY), maxOf(enterZ, vec4(ray.tMin)));
     vec4 last = minOf(minOf(leaveX, leaveY), minOf(leaveZ, vec4(tMax)));
     uvec4 keys = (floatBitsToUint(first) & uvec4(~SLOT)) | uvec4(slot, slot + 1u, slot + 2u, slot + 3u);
@@ -113,21 +115,25 @@ uvec4 halfKeys(WalkRay ray, TrailRay t, uvec4 x, uvec4 y, uvec4 z, uint slot, uv
 }
 
 // Planes of 8 bits on the node's own grid: a word holds those of four children, along one axis and on one side.
-uvec4 byteKeys(WalkRay ray, TrailRay t, uvec4 frame, uvec3 low, uvec3 high, uint slot, uvec4 words, float tMax, INOUT(uvec4) met) {
+uvec4 byteKeys(WalkRay ray, TrailRay t, uvec4 frame, uvec3 low, uvec3 high, uint slot, uvec4 words, float tMax,
+               INOUT(uvec4) met) {
     vec3 scale = vec3(uintBitsToFloat((frame.w & 255u) << 23), uintBitsToFloat(((frame.w >> 8) & 255u) << 23),
                       uintBitsToFloat(((frame.w >> 16) & 255u) << 23));
     precise vec3 step = scale * ray.inverse;
-    precise vec3 base = (vec3(uintBitsToFloat(frame.x), uintBitsToFloat(frame.y), uintBitsToFloat(frame.z)) - ray.origin) * ray.inverse;
+    precise vec3 base =
+        (vec3(uintBitsToFloat(frame.x), uintBitsToFloat(frame.y), uintBitsToFloat(frame.z)) - ray.origin) * ray.inverse;
     precise vec3 enterBase = base - t.reach;
     precise vec3 leaveBase = base + t.reach;
-    uvec3 near = uvec3(choose(t.down.x != 0u, high.x, low.x), choose(t.down.y != 0u, high.y, low.y), choose(t.down.z != 0u, high.z, low.z));
-    uvec3 far = uvec3(choose(t.down.x != 0u, low.x, high.x), choose(t.down.y != 0u, low.y, high.y), choose(t.down.z != 0u, low.z, high.z));
+    uvec3 near = uvec3(choose(t.down.x != 0u, high.x, low.x), choose(t.down.y != 0u, high.y, low.y),
+                       choose(t.down.z != 0u, high.z, low.z));
+    uvec3 far = uvec3(choose(t.down.x != 0u, low.x, high.x), choose(t.down.y != 0u, low.y, high.y),
+                      choose(t.down.z != 0u, low.z, high.z));
     return gridKeys(ray, step, enterBase, leaveBase, bytesOf(near.x), bytesOf(near.y), bytesOf(near.z), bytesOf(far.x),
                     bytesOf(far.y), bytesOf(far.z), slot, words, tMax, met);
 }
 
-// Reads the node at `place`, whose first texel is `head` (of four or eight boxes of floats, that of the near planes along x).
-// Returns the keys of all children, whether the ray meets them or not; `met` has those that it meets no later than tMax.
+// Reads the node at `place`, whose first texel is `head` (of four or eight boxes of floats, that of the near planes along
+// x). Returns the keys of all children, whether the ray meets them or not; `met` has those that it meets no later than tMax.
 Children readNode(WalkRay ray, TrailRay t, uint place, uvec4 head, float tMax, INOUT(Children) met) {
     Children all;
     all.moreKeys = uvec4(NONE);
@@ -141,8 +147,8 @@ Children readNode(WalkRay ray, TrailRay t, uint place, uvec4 head, float tMax, I
         } else if (trailPlanes() == 1u) {
             uvec4 rest = nodes_at(place + 1u);
             all.words = uvec4(rest.z, rest.w, NONE, NONE);
-            all.keys = halfKeys(ray, t, uvec4(head.x, head.y, 0u, 0u), uvec4(head.z, head.w, 0u, 0u), uvec4(rest.x, rest.y, 0u, 0u),
-                                0u, all.words, tMax, met.keys);
+            all.keys = halfKeys(ray, t, uvec4(head.x, head.y, 0u, 0u), uvec4(head.z, head.w, 0u, 0u),
+                                uvec4(rest.x, rest.y, 0u, 0u), 0u, all.words, tMax, met.keys);
         } else {
             uvec4 planes = nodes_at(place + 1u);  // an axis a word: low planes, then high ones
             uvec4 rest = nodes_at(place + 2u);
@@ -158,15 +164,16 @@ Children readNode(WalkRay ray, TrailRay t, uint place, uvec4 head, float tMax, I
         all.keys = floatKeys(ray, t, place, head, 0u, all.words, tMax, met.keys);
         if (eight) {
             all.moreWords = nodes_at(place + 13u);
-            all.moreKeys = floatKeys(ray, t, place + 7u, nodes_at(place + 7u + t.down.x), 4u, all.moreWords, tMax, met.moreKeys);
+            all.moreKeys = floatKeys(ray, t, place + 7u, nodes_at(place + 7u + t.down.x), 4u, all.moreWords, tMax,
+                                     met.moreKeys);
         }
     } else if (trailPlanes() == 1u) {
         all.words = nodes_at(place + 3u);
         all.keys = halfKeys(ray, t, head, nodes_at(place + 1u), nodes_at(place + 2u), 0u, all.words, tMax, met.keys);
         if (eight) {
             all.moreWords = nodes_at(place + 7u);
-            all.moreKeys = halfKeys(ray, t, nodes_at(place + 4u), nodes_at(place + 5u), nodes_at(place + 6u), 4u, all.moreWords,
-                                    tMax, met.moreKeys);
+            all.moreKeys = halfKeys(ray, t, nodes_at(place + 4u), nodes_at(place + 5u), nodes_at(place + 6u), 4u,
+                                    all.moreWords, tMax, met.moreKeys);
         }
     } else {
         uvec4 xy = nodes_at(place + 1u);  // low, high along x; low, high along y
@@ -176,8 +183,8 @@ Children readNode(WalkRay ray, TrailRay t, uint place, uvec4 head, float tMax, I
         if (eight) {
             uvec4 next = nodes_at(place + 4u);
             all.moreWords = nodes_at(place + 5u);
-            all.moreKeys = byteKeys(ray, t, head, uvec3(next.x, next.z, zz.z), uvec3(next.y, next.w, zz.w), 4u, all.moreWords,
-                                    tMax, met.moreKeys);
+            all.moreKeys = byteKeys(ray, t, head, uvec3(next.x, next.z, zz.z), uvec3(next.y, next.w, zz.w), 4u,
+                                    all.moreWords, tMax, met.moreKeys);
         }
     }
     return all;

@@ -83,7 +83,8 @@ Scene plainGrove(uint64_t seed, double size = 1.0, const dvec3& centre = dvec3(0
 
 Scene singularGrove() {
     Scene scene = plainGrove(31);
-    for (const dvec3 s : {dvec3(0), dvec3(1, 1, 0), dvec3(1, 1, 1e-8), dvec3(1, 1e-4, 1e4), dvec3(1e-20, 1, 1), dvec3(1, 0.01, 1)})
+    for (const dvec3 s :
+         {dvec3(0), dvec3(1, 1, 0), dvec3(1, 1, 1e-8), dvec3(1, 1e-4, 1e4), dvec3(1e-20, 1, 1), dvec3(1, 0.01, 1)})
         for (uint32_t mesh : {0u, 1u}) scene.instances.push_back({mesh, translation({1, 2, 3}) * scaling(s)});
     dmat4 nearlyFlat(1.0);
     nearlyFlat[2] = nearlyFlat[0] + nearlyFlat[1] + dvec4(0, 0, 1e-12, 0);
@@ -97,7 +98,8 @@ Scene displacedGrove() {
         for (vec3& p : mesh.positions) p += vec3(1000, -3000, 500);
     // Spheres, too: they are written out beside what is kept.
     Random random(42);
-    for (int i = 0; i < 5; ++i) scene.meshes[1].spheres.push_back({vec3(1000, -3000, 500) + random.inCube(-1, 1), 0.1f + 0.1f * i});
+    for (int i = 0; i < 5; ++i)
+        scene.meshes[1].spheres.push_back({vec3(1000, -3000, 500) + random.inCube(-1, 1), 0.1f + 0.1f * i});
     scene.meshes[1].materials.resize(scene.meshes[1].primitiveCount(), 0);
     for (uint32_t i = 0; i < 12; ++i)
         scene.instances.push_back({i % 2, translation(3.0 * dvec3(random.inCube(-1, 1))) * rotation(random) *
@@ -112,7 +114,8 @@ Scene sliverGrove() {
     std::vector<Triangle> slivers;
     for (int i = 0; i < 60; ++i) {
         const vec3 a = random.inCube(-1, 1), b = random.inCube(-1, 1);
-        // Half of them lie on a line exactly, and would not once they are turned; the others nearly do, and may once moved away.
+        // Half of them lie on a line exactly, and would not once they are turned; the others nearly do, and may once moved
+        // away.
         slivers.push_back(i % 2 == 0 ? Triangle{vec3(a.x, a.y, 0), vec3(b.x, a.y, 0), vec3(0.5f * (a.x + b.x), a.y, 0)}
                                      : Triangle{a, b, 0.5f * a + 0.5f * b + vec3(1e-6f, 0, 0)});
     }
@@ -120,7 +123,8 @@ Scene sliverGrove() {
     slivers.insert(slivers.end(), ball.begin(), ball.end());
     scene.meshes.push_back(meshOf(slivers));
     for (int i = 0; i < 10; ++i)
-        scene.instances.push_back({0, translation((i % 3 == 0 ? 50.0 : 2.0) * dvec3(random.inCube(-1, 1))) * rotation(random)});
+        scene.instances.push_back(
+            {0, translation((i % 3 == 0 ? 50.0 : 2.0) * dvec3(random.inCube(-1, 1))) * rotation(random)});
     return scene;
 }
 

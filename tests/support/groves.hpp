@@ -13,9 +13,9 @@ struct Grove {
     Scene scene;
 };
 
-/// Rotated, scaled (alike and along one axis), sheared, mirrored, nested; very small beside very large; far from the origin; the
-/// meshes far from theirs; the whole tiny or huge; some transforms singular or nearly; slivers that rounding makes and unmakes;
-/// numbers below the normal ones, and beyond all; the same place twice; meshes that stand once.
+/// Rotated, scaled (alike and along one axis), sheared, mirrored, nested; very small beside very large; far from the origin;
+/// the meshes far from theirs; the whole tiny or huge; some transforms singular or nearly; slivers that rounding makes and
+/// unmakes; numbers below the normal ones, and beyond all; the same place twice; meshes that stand once.
 std::vector<Grove> groves();
 
 }  // namespace raig::test

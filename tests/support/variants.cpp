@@ -26,7 +26,8 @@ void addBvhs(std::vector<Variant>& variants) {
                 // In a short run, one or three of these nine.
                 const bool chosen = arity * precision == 64 && (arity == 8 || std::string_view(build) == "sbvh");
                 if (chosen || isLong())
-                    variants.push_back({"bvh", {.build = build, .walk = "trail", .arity = arity, .precision = precision, .maxLeaf = 1}});
+                    variants.push_back(
+                        {"bvh", {.build = build, .walk = "trail", .arity = arity, .precision = precision, .maxLeaf = 1}});
             }
     variants.push_back({"bvh", {.build = "sbvh", .walk = "skip", .arity = 8}});
     variants.push_back({"bvh", {.build = "sbvh", .bound = "obb", .arity = 4}});
