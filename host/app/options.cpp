@@ -108,8 +108,10 @@ void addStructure(CLI::App& app, Options& options, const std::string& more = "au
            "--accel", parse, fmt::format("acceleration structure: {}, {} (default: bvh)", fmt::join(structureNames, ", "), more))
         ->type_name("NAME");
     BuildParams& params = options.buildParams;
-    app.add_option("--walk", params.walk,
-                   "how the structure is walked (default: auto; for bvh in large scenes, what was fastest on the device)")
+    const bool isAuto = more.starts_with("auto");  // else each structure is taken as it is
+    const char* const walk = isAuto ? "auto: bvh by trail on the CPU, in large scenes as is fastest on the device"
+                                    : "the structure's own";
+    app.add_option("--walk", params.walk, fmt::format("how the structure is walked (default: {})", walk))
         ->type_name("NAME");
     app.add_option("--build", params.build, "how the structure is built (default: the structure's own)")->type_name("NAME");
     app.add_option("--bound", params.bound, "bounding volume of bvh: aabb, sphere, obb, kdop (default: aabb)")->type_name("NAME");
@@ -121,9 +123,9 @@ void addStructure(CLI::App& app, Options& options, const std::string& more = "au
             value = *number;
         };
     };
-    app.add_option_function<std::string>(
-           "--arity", parseChoice("--arity", params.arity, {2, 4, 8}),
-           "most children of a node of bvh: 2, 4 or 8 (default: 4, unless --walk auto picks 2)")
+    const char* const arity = isAuto ? "4, unless --walk auto picks 2" : "4";
+    app.add_option_function<std::string>("--arity", parseChoice("--arity", params.arity, {2, 4, 8}),
+                                         fmt::format("most children of a node of bvh: 2, 4 or 8 (default: {})", arity))
         ->type_name("N");
     app.add_option_function<std::string>("--precision", parseChoice("--precision", params.precision, {32, 16, 8}),
                                          "bits of a plane of bvh's boxes: 32, 16 or 8 (default: as suits the scene)")
@@ -139,7 +141,7 @@ void addStructure(CLI::App& app, Options& options, const std::string& more = "au
     };
     app.add_option_function<std::string>("--grid-density", parseDensity, "cells of a grid a primitive")->type_name("X");
     addMemoryBudget(app, options);
-    if (more.starts_with("auto")) addInstances(app, options);
+    if (isAuto) addInstances(app, options);
     CLI::Option* const save = app.add_option("--save-structure", options.saveStructure, "write the structure to this file");
     app.add_option("--load-structure", options.loadStructure, "read the structure from such a file instead of building it")
         ->type_name("FILE")->excludes(save->type_name("FILE"));
