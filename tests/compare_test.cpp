@@ -1,5 +1,6 @@
 // The comparison must see what is planted, and nothing else.
 #include "measure/compare.hpp"
+#include "measure/compare_rays.hpp"
 
 #include <gtest/gtest.h>
 
@@ -68,6 +69,28 @@ TEST(CompareHits, RightAnswersAreTheSame) {
     EXPECT_EQ(got.tUlp.max, 0.0);
     EXPECT_GT(got.met, 400u) << "the rays test little";
     EXPECT_LT(got.offset.max, 1.0);
+}
+
+// From inside a sphere there is no silhouette: every ray goes somewhere, to all sides, and meets the sphere.
+TEST(AimedRays, FromInsideASphereMeetIt) {
+    Scene scene;
+    scene.materials.emplace_back();
+    scene.instances.emplace_back();
+    scene.meshes.emplace_back().materials = {0};
+    scene.meshes[0].spheres = {{vec3(3, -2, 1), 2.0f}};
+    const Judge judge(scene);
+    for (const vec3& eye : {vec3(3, -2, 1), vec3(3.5f, -3, 1.25f), vec3(3, -2, 2.999f)}) {
+        const std::vector<Ray> rays = aimedRays(judge.geometry, eye, 300);
+        ASSERT_EQ(rays.size(), 300u);
+        Box met;
+        for (const Ray& ray : rays) {
+            ASSERT_NE(ray.direction, vec3(0));
+            const reference::Hit hit = judge.tree.closest(widen(ray));
+            ASSERT_EQ(hit.primitive, 0u) << ray.direction.x << ' ' << ray.direction.y << ' ' << ray.direction.z;
+            met.grow(vec3(dvec3(eye) + hit.t * dvec3(ray.direction)));
+        }
+        for (int axis = 0; axis < 3; ++axis) EXPECT_GT(met.extent()[axis], 3.5f) << "all on one side";
+    }
 }
 
 // Two triangles of a fan, a ray at their vertex that grazes one of them: exactly, that one is met only farther on, but the

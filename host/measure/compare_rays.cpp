@@ -34,11 +34,13 @@ Place placeOf(const Geometry& geometry, const Ray& ray, const reference::Hit& hi
     return {(1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c, glm::normalize(glm::cross(b - a, c - a))};
 }
 
-/// A ray through the sphere's centre or past its silhouette, which from nearby and from inside is only some point of it.
+/// A ray through the sphere's centre or past its silhouette; from inside, where it has none, to any point of it.
 vec3 directionAt(const Sphere& sphere, const vec3& eye, uint32_t i) {
     const dvec3 away = dvec3(sphere.centre) - dvec3(eye);
+    const double distance = glm::length(away);
+    if (!(distance > sphere.radius)) return vec3(away + double{sphere.radius} * anyDirection(i));
     const dvec3 aside = glm::cross(away, anyDirection(i));
-    const double distance = glm::length(away), sine = std::min(1.0, sphere.radius / distance);
+    const double sine = sphere.radius / distance;
     if (i % 3 == 0 || !(glm::length(aside) > 0.0)) return vec3(away);
     const dvec3 tangent = away * (1.0 - sine * sine) + sphere.radius * std::sqrt(1.0 - sine * sine) * glm::normalize(aside);
     return vec3(tangent);
