@@ -121,6 +121,47 @@ TEST(GltfShapes, SpheresThatAreDeformedBecomeTriangles) {
     }
 }
 
+/// An asset of one mesh of so many spheres, placed by one node that stretches it.
+GltfAsset stretchedAsset(size_t spheres) {
+    GltfAsset asset = assetOf(json::array({sphereShape(1.0)}));
+    asset.mesh(shapePrimitive(0));
+    asset.json["meshes"][0]["primitives"] = std::vector<json>(spheres, shapePrimitive(0));
+    asset.node({{"mesh", 0}, {"scale", {1, 2, 1}}});
+    return asset;
+}
+
+// Many instances share the triangles that their spheres become, and are counted without going through them one by one.
+TEST(GltfShapes, SpheresThatManyInstancesDeformAreWrittenOutOnce) {
+    GltfAsset asset = stretchedAsset(100);
+    const char* const instancing = "EXT_mesh_gpu_instancing";
+    asset.json["extensionsUsed"].push_back(instancing);
+    asset.json["accessors"] = {{{"componentType", 5126}, {"count", 200000}, {"type", "VEC3"}}};  // zeros
+    asset.json["nodes"][0]["extensions"][instancing]["attributes"]["TRANSLATION"] = 0;
+    const Scene scene = asset.load();
+    ASSERT_EQ(scene.meshes.size(), 2u);
+    EXPECT_EQ(scene.meshes[1].triangles.size(), 100u * 3968u);
+    EXPECT_EQ(scene.instances.size(), 200000u);
+    EXPECT_TRUE(hasRemark(scene, "written out as triangles (20000000 times)"));
+}
+
+TEST(GltfShapes, MoreDeformedSpheresThanAreWrittenOutAreALimit) {
+    // The second mesh takes them beyond it, and nothing is written out of it.
+    GltfAsset asset = stretchedAsset(58);
+    asset.mesh(shapePrimitive(0));
+    asset.json["meshes"][1]["primitives"] = std::vector<json>(1000, shapePrimitive(0));
+    asset.node({{"mesh", 1}, {"scale", {1, 2, 1}}});
+    try {
+        asset.load();
+        FAIL() << "1058 spheres were written out";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.exitCode, ExitCode::limit);
+        EXPECT_NE(std::string(error.what()).find("asset.glb#/meshes/1: "), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("at most 1057"), std::string::npos) << error.what();
+    }
+    asset.json["nodes"][1]["scale"] = {2, 2, 2};
+    EXPECT_EQ(asset.load().meshes.size(), 3u) << "those of a node that scales evenly count for nothing";
+}
+
 TEST(GltfShapes, WhatSpheresCannotHaveIsTold) {
     GltfAsset asset = assetOf(json::array({sphereShape(1.0)}));
     asset.json["materials"] = json::array({{{"emissiveFactor", {1, 1, 1}}}});

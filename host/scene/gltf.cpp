@@ -22,8 +22,8 @@ Scene importGltf(const std::filesystem::path& path) {
     const std::vector<gltf::UvSource> uvSources = gltf::addMaterials(document, scene, remarks);
     gltf::addMeshes(document, uvSources, scene, remarks);
     gltf::addNodes(document, scene, remarks);
-    for (size_t i = writeOutDeformedSpheres(scene); i > 0; --i)
-        remarks.add("a sphere that its node scales unevenly is written out as triangles");
+    if (const size_t deformed = writeOutDeformedSpheres(scene, document.file); deformed > 0)
+        remarks.add("a sphere that its node scales unevenly is written out as triangles", deformed);
     scene.remarks = remarks.lines();
 
     const std::optional<std::string> fault = findFault(scene);

@@ -43,7 +43,7 @@ struct Document {
 /// What was left out or assumed, each once with how often.
 class Remarks {
 public:
-    void add(const std::string& text) { ++counts_[text]; }
+    void add(const std::string& text, size_t times = 1) { counts_[text] += times; }
     std::vector<std::string> lines() const;
 
 private:

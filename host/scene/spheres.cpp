@@ -1,5 +1,6 @@
 #include "scene/spheres.hpp"
 
+#include "base/error.hpp"
 #include "scene/geometry.hpp"
 
 #include <map>
@@ -10,6 +11,10 @@ namespace raig {
 namespace {
 
 constexpr uint32_t columns = 64, rings = 32;
+constexpr size_t facesOfSphere = size_t{2} * columns * (rings - 1);
+
+/// Of all written out spheres: 60 bytes of a file may ask for one, which takes 114 KB here and some 500 KB once it is traced.
+constexpr size_t mostFaces = size_t{1} << 22;
 
 /// The direction of a corner; all columns meet at the poles.
 dvec3 cornerOf(uint32_t ring, uint32_t column) {
@@ -55,14 +60,20 @@ Mesh withoutSpheres(const Mesh& source) {
 
 }  // namespace
 
-size_t writeOutDeformedSpheres(Scene& scene) {
+size_t writeOutDeformedSpheres(Scene& scene, const std::string& file) {
     std::map<uint32_t, uint32_t> copies;
-    size_t replaced = 0;
+    size_t replaced = 0, faces = 0;
     for (Instance& instance : scene.instances) {
         const size_t spheres = scene.meshes[instance.mesh].spheres.size();
         if (spheres == 0 || uniformScale(instance.toWorld)) continue;
         const auto [copy, isNew] = copies.try_emplace(instance.mesh, static_cast<uint32_t>(scene.meshes.size()));
-        if (isNew) scene.meshes.push_back(withoutSpheres(scene.meshes[instance.mesh]));
+        if (isNew) {
+            faces += facesOfSphere * spheres;
+            if (faces > mostFaces)
+                throw limitError("{}#/meshes/{}: spheres that nodes scale unevenly are written out; at most {} can be", file,
+                                 instance.mesh, mostFaces / facesOfSphere);
+            scene.meshes.push_back(withoutSpheres(scene.meshes[instance.mesh]));
+        }
         instance.mesh = copy->second;
         replaced += spheres;
     }
