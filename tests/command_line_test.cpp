@@ -48,6 +48,23 @@ TEST(CommandLine, HelpNamesEveryCommandAndEveryCommandHasHelpWithExamples) {
     }
 }
 
+TEST(CommandLine, NoFileIsReplacedThatIsReadOrWrittenToo) {
+    const std::string scene = std::string(RAIG_SOURCE_DIR) + "/assets/cornell_box.gltf";
+    expectError({"trace", scene, "--rays", "r.npy", "--hits", "./r.npy"}, 2, "would be read and replaced");
+    expectError({"trace", scene, "--rays", "r.npy", "--hits", scene}, 2, "would be read and replaced");
+    expectError({"render", scene, "-o", "a.png", "--save-structure", "a.png"}, 2, "would be written twice");
+    expectError({"render", scene, "-o", "a.png", "--load-structure", "a.png"}, 2, "would be read and replaced");
+    expectError({"compare", "a.png", "b.png", "-o", "b.png"}, 2, "would be read and replaced");
+}
+
+TEST(CommandLine, AnEmptyValueIsAnError) {
+    const std::string scene = std::string(RAIG_SOURCE_DIR) + "/assets/cornell_box.gltf";
+    expectError({"render", scene, "-o", "a.png", "--load-structure", ""}, 2, "--load-structure: the value is empty");
+    expectError({"render", scene, "-o", "a.png", "--camera="}, 2, "--camera");
+    expectError({"render", "", "-o", "a.png"}, 2, "the value is empty");
+    expectError({"bench", scene, "--save-structure", "a.structure"}, 2, "--save-structure");
+}
+
 TEST(CommandLine, VersionIsOneLine) {
     const ProgramResult result = raig({"--version"});
     EXPECT_EQ(result.exitCode, 0);

@@ -141,10 +141,12 @@ void addStructure(CLI::App& app, Options& options, const std::string& more = "au
     };
     app.add_option_function<std::string>("--grid-density", parseDensity, "cells of a grid a primitive")->type_name("X");
     addMemoryBudget(app, options);
-    if (isAuto) addInstances(app, options);
-    CLI::Option* const save = app.add_option("--save-structure", options.saveStructure, "write the structure to this file");
-    app.add_option("--load-structure", options.loadStructure, "read the structure from such a file instead of building it")
-        ->type_name("FILE")->excludes(save->type_name("FILE"));
+    if (isAuto) {
+        addInstances(app, options);
+        CLI::Option* const save = app.add_option("--save-structure", options.saveStructure, "write the structure to this file");
+        app.add_option("--load-structure", options.loadStructure, "read the structure from such a file instead of building it")
+            ->type_name("FILE")->excludes(save->type_name("FILE"));
+    }
     addWholeNumber(app, "--seed", options.seed, 0, largest, "of the random numbers (default: 0)");
 }
 
@@ -301,6 +303,36 @@ void checkFolderOf(const std::filesystem::path& file) {
     if (std::filesystem::is_directory(file, ignored)) throw inputError(file, "cannot be written: it is a folder");
 }
 
+/// An option that is given and empty is most likely a variable that was not set.
+void checkNoneIsEmpty(const CLI::App& app) {
+    for (const CLI::App* command : app.get_subcommands())
+        for (const CLI::Option* option : command->get_options())
+            for (const std::string& text : option->results())
+                if (text.empty()) throw usageError("{}: the value is empty; give one, or leave it out", option->get_name());
+}
+
+/// Throws where a file that is to be written would replace one that is to be read, or another one to be written. Devices
+/// and pipes may be read and written as often as one likes.
+void checkFilesDiffer(const Options& options) {
+    const auto isSame = [](const std::filesystem::path& a, const std::filesystem::path& b) {
+        std::error_code ignored;
+        if (std::filesystem::exists(a, ignored) && !std::filesystem::is_regular_file(a, ignored)) return false;
+        return !a.empty() && !b.empty() &&
+               (a.lexically_normal() == b.lexically_normal() || std::filesystem::equivalent(a, b, ignored));
+    };
+    std::vector<std::filesystem::path> read = options.inputs;
+    read.insert(read.end(), {options.rays, options.loadStructure});
+    const std::vector<std::filesystem::path> written = {options.output, options.hits, options.saveStructure};
+    for (size_t i = 0; i < written.size(); ++i) {
+        for (const std::filesystem::path& input : read)
+            if (isSame(written[i], input))
+                throw usageError("{} would be read and replaced: name another file to write", written[i].string());
+        for (size_t k = 0; k < i; ++k)
+            if (isSame(written[i], written[k]))
+                throw usageError("{} would be written twice: name another file", written[i].string());
+    }
+}
+
 }  // namespace
 
 std::optional<Options> parseOptions(int argc, const char* const* argv) {
@@ -331,8 +363,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     } catch (const CLI::ParseError& error) {
         throw explained(app, error, argc, argv);
     }
-    for (const std::filesystem::path& input : options.inputs)
-        if (input.empty()) throw usageError("a file name is empty");
+    checkNoneIsEmpty(app);
+    checkFilesDiffer(options);
     checkFolderOf(options.output);
     checkFolderOf(options.hits);
     checkFolderOf(options.saveStructure);

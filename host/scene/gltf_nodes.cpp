@@ -5,7 +5,7 @@ namespace raig::gltf {
 namespace {
 
 /// An instance takes some 150 bytes: 2.5 GB at this many.
-constexpr size_t mostInstances = size_t{1} << 24;
+constexpr size_t mostInstances = size_t{1} << 20;  // a few bytes of a file make one, and it takes up to 1 kB
 
 bool isFinite(const dmat4& m) {
     for (int column = 0; column < 4; ++column)
