@@ -13,8 +13,8 @@ namespace {
 constexpr uint32_t columns = 64, rings = 32;
 constexpr size_t facesOfSphere = size_t{2} * columns * (rings - 1);
 
-/// Of all written out spheres: 60 bytes of a file may ask for one, which takes 114 KB here and some 500 KB once it is traced.
-constexpr size_t mostFaces = size_t{1} << 22;
+/// Of all written out spheres: 60 bytes of a file may ask for one, which takes 114 KB here and 1 MB to build a structure.
+constexpr size_t mostFaces = size_t{1} << 21;
 
 /// The direction of a corner; all columns meet at the poles.
 dvec3 cornerOf(uint32_t ring, uint32_t column) {
