@@ -1,4 +1,5 @@
 /// What a scene gets that its file lacks: a material, a camera that frames it, and light.
+#include "base/error.hpp"
 #include "scene/geometry.hpp"
 #include "scene/import.hpp"
 #include "scene/validate.hpp"
@@ -103,6 +104,37 @@ TEST(CompleteScene, FramesUsableTrianglesOfAllInstances) {
     const std::vector<vec3> seen{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {10, -3, 2}, {11, -3, 2}, {10, -2, 2}};
     EXPECT_NEAR(farthestInFrame(scene.cameras[0], seen), 0.95, 1e-5);
     EXPECT_EQ(flatten(scene).bounds.hi, vec3(11, 1, 2));
+}
+
+// 2^20 vertices, 2^16 times: gone through one by one they would take minutes. Boxes frame all of it, and here little more.
+TEST(CompleteScene, FramesBoxesWhereInstancesShowTooMuch) {
+    Scene scene = triangleScene({0, 0, 0}, {1, 0, 0}, {0, 1, 0.5f});
+    scene.meshes[0].positions.resize(1 << 20, vec3(nan));
+    scene.instances.resize(1 << 16);
+    for (size_t i = 0; i < scene.instances.size(); ++i)
+        scene.instances[i].toWorld[3] = dvec4(static_cast<double>(i % 256), static_cast<double>(i / 256), 0, 1);
+    scene.instances[7].toWorld = dmat4(0.0);
+    scene.instances[7].toWorld[3] = dvec4(9000, 9000, 9000, 1);  // and so it shows nothing
+    completeScene(scene);
+    std::vector<vec3> seen;
+    for (const Instance& instance : scene.instances)
+        if (instance.toWorld[0][0] != 0.0)
+            for (int i = 0; i < 3; ++i) seen.push_back(scene.meshes[0].positions[i] + vec3(instance.toWorld[3]));
+    EXPECT_LE(farthestInFrame(scene.cameras[0], seen), 0.95 + 1e-5);
+    EXPECT_GT(farthestInFrame(scene.cameras[0], seen), 0.94);
+}
+
+TEST(CompleteScene, MorePrimitivesThanCanBeTracedAreALimitAtOnce) {
+    Scene scene = triangleScene({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    scene.meshes[0].triangles.resize(1 << 16, uvec3(0, 1, 2));
+    scene.meshes[0].materials.resize(1 << 16, 0);
+    scene.instances.resize(1 << 20);
+    try {
+        completeScene(scene);
+        FAIL() << "2^36 triangles were accepted";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.exitCode, ExitCode::limit);
+    }
 }
 
 TEST(CompleteScene, AHeadlightMakesFacingWhiteExactlyOneBright) {

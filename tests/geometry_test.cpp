@@ -286,7 +286,23 @@ TEST(Geometry, MoreTrianglesThanCanBeNumberedAreALimit) {
         FAIL() << "2^31 triangles were accepted";
     } catch (const Error& error) {
         EXPECT_EQ(error.exitCode, ExitCode::limit);
+        EXPECT_NE(std::string(error.what()).find("has 2147483648 triangles and spheres"), std::string::npos) << error.what();
     }
+}
+
+TEST(Geometry, MoreVerticesThanCanBeNumberedAreALimitWrittenOutAndKeptCountOnce) {
+    Mesh mesh = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    mesh.normals.clear();
+    mesh.positions.resize(1 << 20, vec3(0));
+    const Scene scene = sceneOf({mesh}, std::vector<Instance>(4096));
+    try {
+        flatten(scene);
+        FAIL() << "2^32 vertices were accepted";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.exitCode, ExitCode::limit);
+        EXPECT_NE(std::string(error.what()).find("has 4294967296 vertices"), std::string::npos) << error.what();
+    }
+    EXPECT_EQ(gatherInstances(scene).primitiveCount(), 4096u);
 }
 
 TEST(Geometry, AnEmptySceneIsEmpty) {

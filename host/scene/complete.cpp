@@ -78,13 +78,68 @@ Subject placeInstance(const Scene& scene, const Instance& instance) {
     return placed;
 }
 
+/// The box, in its own space, of what rays can meet of a mesh.
+Box boxOf(const Mesh& mesh) {
+    Box box;
+    for (const uvec3& t : mesh.triangles) {
+        if (!isUsable(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z])) continue;
+        for (int corner = 0; corner < 3; ++corner) box.grow(mesh.positions[t[corner]]);
+    }
+    for (const Sphere& sphere : mesh.spheres)
+        if (isUsableSphere(sphere.centre, sphere.radius)) box.grow(sphereBox(sphere.centre, sphere.radius));
+    return box;
+}
+
+/// Where the corners of a mesh's box stand; nothing if they all coincide, for then nothing of it is seen.
+Subject placeBox(const Box& box, const Instance& instance) {
+    const Placement placement = placementOf(instance.toWorld);
+    Subject placed;
+    for (unsigned corner = 0; corner < 8 && !box.empty(); ++corner) {
+        const glm::bvec3 isHigh(corner & 1, corner & 2, corner & 4);
+        const vec3 point = glm::mix(box.lo, box.hi, isHigh);
+        placed.points.push_back(placePoint(placement, point));
+        if (isInRange(placed.points.back())) placed.bounds.grow(placed.points.back());
+    }
+    return placed.bounds.lo == placed.bounds.hi ? Subject{} : placed;
+}
+
+/// Places instances; where all of them show too much to go through, those of meshes that stand in many places by their
+/// boxes.
+class Placer {
+public:
+    explicit Placer(const Scene& scene) : scene_(scene), counts_(scene.meshes.size(), 0), boxes_(scene.meshes.size()) {
+        uint64_t work = 0;
+        for (const Instance& instance : scene.instances) {
+            const Mesh& mesh = scene.meshes[instance.mesh];
+            work += mesh.positions.size() + mesh.triangles.size() + 26 * mesh.spheres.size();
+            ++counts_[instance.mesh];
+        }
+        isLarge_ = work > mostWork;
+        for (size_t i = 0; i < boxes_.size(); ++i)
+            if (byBox(i)) boxes_[i] = boxOf(scene.meshes[i]);
+    }
+    Subject place(const Instance& instance) const {
+        return byBox(instance.mesh) ? placeBox(boxes_[instance.mesh], instance) : placeInstance(scene_, instance);
+    }
+
+private:
+    static constexpr uint64_t mostWork = uint64_t{1} << 27;
+    bool byBox(size_t mesh) const { return isLarge_ && counts_[mesh] > 4; }
+
+    const Scene& scene_;
+    std::vector<uint32_t> counts_;  ///< of each mesh's instances
+    std::vector<Box> boxes_;        ///< of meshes that are placed by them
+    bool isLarge_ = false;
+};
+
 /// Twice over the instances, so that of each only the points which the view depends on stay in memory.
 Subject findSubject(const Scene& scene) {
+    const Placer placer(scene);
     Subject subject;
-    for (const Instance& instance : scene.instances) subject.bounds.grow(placeInstance(scene, instance).bounds);
+    for (const Instance& instance : scene.instances) subject.bounds.grow(placer.place(instance).bounds);
     if (subject.bounds.empty()) return subject;
     for (const Instance& instance : scene.instances) {
-        const std::vector<vec3> deciding = decidingPoints(placeInstance(scene, instance).points, subject.bounds);
+        const std::vector<vec3> deciding = decidingPoints(placer.place(instance).points, subject.bounds);
         subject.points.insert(subject.points.end(), deciding.begin(), deciding.end());
     }
     return subject;
@@ -109,16 +164,19 @@ bool emits(const Scene& scene) {
     std::vector<bool> emitting;
     for (const Material& material : scene.materials)
         emitting.push_back(glm::any(glm::greaterThan(material.emission, vec3(0.0f))));
+    std::vector<bool> isDone(scene.meshes.size(), false);
     return std::ranges::any_of(scene.instances, [&](const Instance& instance) {
-        // Spheres glow, but light nothing.
+        if (isDone[instance.mesh]) return false;
+        isDone[instance.mesh] = true;
         const Mesh& mesh = scene.meshes[instance.mesh];
+        // Spheres glow, but light nothing.
         const auto ofTriangles = std::span(mesh.materials).first(mesh.triangles.size());
         return std::ranges::any_of(ofTriangles, [&](uint32_t index) { return emitting[index]; });
     });
 }
 
-/// What surfaces send each other is not traced; where the file says nothing of it, a faint light from everywhere stands in, so
-/// that places no light reaches directly can be told from nothing.
+/// What surfaces send each other is not traced; where the file says nothing of it, a faint light from everywhere stands in,
+/// so that places no light reaches directly can be told from nothing.
 constexpr float faintAmbient = 0.03f;
 
 /// A directional light whose irradiance of pi makes a white diffuse surface that faces it exactly 1 bright, and a sky, so
@@ -138,6 +196,7 @@ void addLight(Scene& scene) {
 }  // namespace
 
 void completeScene(Scene& scene) {
+    checkPrimitiveCount(scene);
     if (scene.materials.empty()) {
         scene.materials.push_back({});
         scene.remarks.emplace_back("no material: a diffuse grey is used");

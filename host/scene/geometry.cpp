@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
+#include <string_view>
 
 namespace raig {
 
@@ -34,10 +35,10 @@ void makeRoom(const Extent& extent, Geometry& geometry) {
     geometry.materials.resize(extent.primitives);
 }
 
-void checkCount(uint64_t primitives) {
-    if (primitives > 0x7ffffffe)
-        throw limitError("the scene has {} triangles and spheres with its instances written out; at most {} can be traced",
-                         primitives, 0x7ffffffe);
+void checkVertices(uint64_t vertices, std::string_view how) {
+    if (vertices > 0xfffffffd)
+        throw limitError("the scene has {} vertices with its instances {}; at most {} can be traced", vertices, how,
+                         0xfffffffd);
 }
 
 void transformVertices(const Mesh& mesh, const dmat4& toWorld, size_t first, Geometry& geometry) {
@@ -170,10 +171,19 @@ Sphere placeSphere(const dmat4& toWorld, const Sphere& sphere) {
     return {placePoint(placementOf(toWorld), sphere.centre), static_cast<float>(*scale * sphere.radius)};
 }
 
+void checkPrimitiveCount(const Scene& scene) {
+    uint64_t primitives = 0;
+    for (const Instance& instance : scene.instances) primitives += scene.meshes[instance.mesh].primitiveCount();
+    if (primitives > 0x7ffffffe)
+        throw limitError("the scene has {} triangles and spheres with its instances written out; at most {} can be traced",
+                         primitives, 0x7ffffffe);
+}
+
 Geometry flatten(const Scene& scene) {
+    checkPrimitiveCount(scene);
     Extent extent;
     for (const Instance& instance : scene.instances) extent.add(scene.meshes[instance.mesh]);
-    checkCount(std::max(extent.primitives, extent.vertices / 2));
+    checkVertices(extent.vertices, "written out");
 
     Geometry geometry;
     makeRoom(extent, geometry);
@@ -192,8 +202,8 @@ Geometry flatten(const Scene& scene) {
         return Geometry::Corners{geometry.positions[t.x], geometry.positions[t.y], geometry.positions[t.z]};
     };
     for (size_t i = 0; i < scene.instances.size(); ++i) {
-        const size_t first = geometry.firstTriangle[i];
-        measure(scene.meshes[scene.instances[i].mesh].triangles.size(), [&](size_t k) { return cornersOf(first + k); }, geometry);
+        const size_t first = geometry.firstTriangle[i], triangles = scene.meshes[scene.instances[i].mesh].triangles.size();
+        measure(triangles, [&](size_t k) { return cornersOf(first + k); }, geometry);
     }
     measureSpheres(geometry.spheres, geometry);
     geometry.dropped.other = scene.otherPrimitives;
@@ -201,26 +211,21 @@ Geometry flatten(const Scene& scene) {
 }
 
 Geometry gatherInstances(const Scene& scene) {
+    checkPrimitiveCount(scene);
     Geometry geometry;
     std::vector<uint8_t> used(scene.meshes.size());
-    uint64_t written = 0;
-    for (const Instance& instance : scene.instances) {
-        used[instance.mesh] = 1;
-        written += scene.meshes[instance.mesh].primitiveCount();
-    }
-    checkCount(written);
+    for (const Instance& instance : scene.instances) used[instance.mesh] = 1;
     Extent extent;
     geometry.stored.resize(scene.meshes.size());
     for (size_t i = 0; i < scene.meshes.size(); ++i) {
         if (used[i] == 0) continue;
         const Mesh& mesh = scene.meshes[i];
-        checkCount(std::max(extent.primitives, extent.vertices / 2));
         geometry.stored[i] = {static_cast<uint32_t>(extent.vertices), static_cast<uint32_t>(mesh.positions.size()),
                               static_cast<uint32_t>(extent.primitives), static_cast<uint32_t>(mesh.triangles.size()),
                               static_cast<uint32_t>(mesh.spheres.size())};
         extent.add(mesh);
     }
-    checkCount(std::max(extent.primitives, extent.vertices / 2));
+    checkVertices(extent.vertices, "kept");
     makeRoom(extent, geometry);
     for (size_t i = 0; i < scene.meshes.size(); ++i)
         if (used[i] != 0) storeMesh(scene.meshes[i], geometry.stored[i], geometry);

@@ -10,20 +10,20 @@
 
 namespace raig {
 
-/// Primitives of all instances, in order of instance, then of the mesh's primitives: the index in this order is the global id by
-/// which ties are settled. World positions and normals are those of shaders/shared/place.glsl.
+/// Primitives of all instances, in order of instance, then of the mesh's primitives: the index in this order is the global
+/// id by which ties are settled. World positions and normals are those of shaders/shared/place.glsl.
 /// An instance that mirrors keeps its fronts: corners 1 and 2 of its triangles, and so u and v, change places there.
 ///
-/// Written out (flatten), the arrays hold every instance's vertices and primitives, in the world: the index of a primitive is its
-/// global id. As instances (gatherInstances), they hold every mesh once, in its own space, corners in the mesh's order, and
-/// `placed` says where it stands; only spheres are in the world in either form, each instance's.
+/// Written out (flatten), the arrays hold every instance's vertices and primitives, in the world: the index of a primitive
+/// is its global id. As instances (gatherInstances), they hold every mesh once, in its own space, corners in the mesh's
+/// order, and `placed` says where it stands; only spheres are in the world in either form, each instance's.
 /// `normals`, `uvs` and `colors` are empty if no mesh has them.
 struct Geometry {
     std::vector<vec3> positions;
     std::vector<vec3> normals;            ///< unit, or zero where the mesh has none: use the face's own
     std::vector<vec2> uvs;
     std::vector<vec3> colors;
-    std::vector<uvec3> triangles;         ///< of a sphere (its index in `spheres` or, as instances, in the mesh; noVertex, noVertex)
+    std::vector<uvec3> triangles;         ///< of a sphere (its index, noVertex, noVertex), in `spheres` or, kept, the mesh
     std::vector<Sphere> spheres;
     std::vector<uint32_t> materials;      ///< one a primitive
     std::vector<uint32_t> firstTriangle;  ///< id of each instance's first primitive, and the total at the end
@@ -80,11 +80,16 @@ std::optional<double> uniformScale(const dmat4& toWorld);
 /// Requires a uniform scale.
 Sphere placeSphere(const dmat4& toWorld, const Sphere& sphere);
 
-/// Writes out every instance. Cost O(primitives). Throws limitError beyond 2^31 - 2 primitives.
+/// Throws limitError if the instances have more than 2^31 - 2 primitives in all: no structure can number them. Cost
+/// O(instances).
+void checkPrimitiveCount(const Scene& scene);
+
+/// Writes out every instance. Cost O(primitives). Throws limitError as checkPrimitiveCount does, and beyond 2^32 - 3
+/// vertices.
 Geometry flatten(const Scene& scene);
 
-/// Keeps every instance. The same ids, bounds and counts as flatten's. Cost O(primitives, written out), memory O(triangles of the
-/// meshes, and spheres written out). Throws limitError as flatten does.
+/// Keeps every instance. The same ids, bounds and counts as flatten's. Cost O(primitives, written out), memory O(triangles
+/// of the meshes, and spheres written out). Throws limitError as flatten does, but counts a mesh's vertices once.
 Geometry gatherInstances(const Scene& scene);
 
 }  // namespace raig

@@ -24,8 +24,11 @@ Scene importStl(const std::filesystem::path& path);   ///< ASCII and binary (sce
 
 /// Adds what a picture needs and the file lacks, each with a remark: a material; a camera in a three-quarter view that
 /// frames the usable triangles (PEERS' standard camera); and, if there is neither a light nor an emitting triangle, a
-/// headlight (directional, along the first camera, irradiance pi, without shadows) with a sky and some ambient light. A scene with
-/// light of its own gets a faint ambient light for what surfaces would send each other.
+/// headlight (directional, along the first camera, irradiance pi, without shadows) with a sky and some ambient light. A
+/// scene with light of its own gets a faint ambient light for what surfaces would send each other.
+/// Where instances show more than 2^27 vertices and primitives, the view frames the boxes of meshes that stand in more than
+/// four places, instead of their triangles; so the cost stays O(vertices, primitives and instances stored).
+/// Throws limitError as checkPrimitiveCount does.
 void completeScene(Scene& scene);
 
 /// The tightest three-quarter view of `points` (finite ones): centre c of `framed`, towards normalize(0.5, 0.35, 1),

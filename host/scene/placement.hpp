@@ -23,8 +23,8 @@ Placement placementOf(const dmat4& toWorld);
 /// Its cofactors, scaled; rows of zeros where it leaves no normal a direction.
 NormalPlacement normalPlacementOf(const dmat4& toWorld);
 
-/// True if it turns left hands into right ones: then corners 1 and 2 of triangles, and so u and v, change places, so that the
-/// front stays the front.
+/// True if it turns left hands into right ones: then corners 1 and 2 of triangles, and so u and v, change places, so that
+/// the front stays the front.
 bool mirrors(const dmat4& toWorld);
 
 }  // namespace raig
