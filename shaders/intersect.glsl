@@ -111,7 +111,7 @@ WalkRay prepareRay(Ray ray, vec3 lo, vec3 hi, float unit) {
     WalkRay r;
     float largest = findMainAxis(ray.direction, r.axisZ);
     precise vec3 origin = ray.origin * unit;
-    r.valid = isWithin(ray.origin, LARGEST_COORDINATE) && isWithin(origin, LARGEST_COORDINATE) && 
+    r.valid = isWithin(ray.origin, LARGEST_COORDINATE) && isWithin(origin, LARGEST_COORDINATE) &&
               isWithin(ray.direction, LARGEST_FLOAT) && largest >= SMALLEST_NORMAL && ray.tMax >= 0.0f &&
               ray.tMin <= ray.tMax;
 

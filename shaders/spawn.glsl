@@ -44,9 +44,9 @@ vec3 faceNormal(vec3 a, vec3 b, vec3 c, vec3 fallback) {
 // error  u |position| + 4 u (|b1 (b - a)| + |b2 (c - a)|), u = 2^-24: one rounding of the last sum, three of what it adds
 //        [the method of Pharr, Jakob and Humphreys 2023, "Physically Based Rendering", section 6.8; smaller than their bound
 //        for b0 a + b1 b + b2 c, which in a small triangle far from the origin is 7 u |position|].
-// blur   8 u |L|, L the way to the farthest corner: the triangle test divides the sides and then what lies between two of them,
-//        so what it misplaces is in proportion to these, whatever the shape. With 4 u none of 60,000 rays from triangles
-//        of all shapes, sizes 1e-6 to 1e6, up to 1e6 from the origin met the one it had left; with 2 u, three.
+// blur   8 u |L|, L the way to the farthest corner: the triangle test divides the sides and then what lies between two of
+//        them, so what it misplaces is in proportion to these, whatever the shape. With 4 u none of 60,000 rays from
+//        triangles of all shapes, sizes 1e-6 to 1e6, up to 1e6 from the origin met the one it had left; with 2 u, three.
 BoundedPoint pointOf(vec3 a, vec3 b, vec3 c, float b1, float b2) {
     precise vec3 ab = b - a;
     precise vec3 ac = c - a;
@@ -74,8 +74,8 @@ BoundedPoint pointOfSphere(vec3 centre, float radius, vec3 n) {
     return BoundedPoint(position, blur, error);
 }
 
-// The same point as the end of a ray that comes from `v` away: the distance along the ray is rounded in proportion to |v|. With
-// 16 u |v| more, 3 of 296,948 shadow rays met the emitter they ended at; without, 7,195.
+// The same point as the end of a ray that comes from `v` away: the distance along the ray is rounded in proportion to |v|.
+// With 16 u |v| more, 3 of 296,948 shadow rays met the emitter they ended at; without, 7,195.
 BoundedPoint seenFrom(BoundedPoint point, vec3 v) {
     precise float blur = point.blur + 9.5367432e-7f * largestOf(abs(v));
     return BoundedPoint(point.position, blur, point.error);

@@ -13,7 +13,7 @@ namespace raig {
 std::vector<Ray> bounceRays(const reference::Tree& tree, std::span<const Ray> rays);
 
 /// `count` rays from `eye` at corners, at middles of edges and at other points of edges of random usable triangles, in turn,
-/// and at centres and silhouettes of usable spheres, or any points of those that it lies in; none if there is nothing usable.
+/// and at centres and silhouettes of usable spheres, or any points of those that it lies in; none if nothing is usable.
 /// Rounded to floats, they pass some 2^-24 of the distance beside them: here leaks show.
 std::vector<Ray> aimedRays(const Geometry& geometry, const vec3& eye, size_t count);
 

@@ -100,7 +100,8 @@ MeasuringCamera measuringCamera(const Geometry& geometry, const Box& framed) {
     return camera;
 }
 
-RaySets makeRaySets(const Geometry& geometry, const Box& framed, const MeasuringCamera& camera, uint32_t side, Tracer& tracer) {
+RaySets makeRaySets(const Geometry& geometry, const Box& framed, const MeasuringCamera& camera, uint32_t side,
+                    Tracer& tracer) {
     RAIG_CHECK_OP(side % 8, ==, 0u);
     RaySets sets;
     for (uint32_t i = 0; i < side * side; ++i)
