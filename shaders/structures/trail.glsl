@@ -99,50 +99,51 @@ void makeRoom(uint count, INOUT(Trail) s) {
     s.earliest = choose(four, min(min(s.earliest, s.a.key), min(s.b.key, min(s.c.key, s.d.key))), s.earliest);
 }
 
+void sortFour(INOUT(uvec4) k) {
+    order(k.x, k.y);
+    order(k.z, k.w);
+    order(k.x, k.z);
+    order(k.y, k.w);
+    order(k.y, k.z);
+}
+
+// The least of the keys. `later` becomes the second to the fifth, NONE where there are no more; of eight `sixth` the sixth.
+uint sortKeys(Children met, INOUT(uvec4) later, INOUT(uint) sixth) {
+    uvec4 k = met.keys;
+    uvec4 m = uvec4(NONE);
+    if (trailArity() == 2u) {
+        order(k.x, k.y);
+        later = uvec4(k.y, NONE, NONE, NONE);
+        return k.x;
+    }
+    sortFour(k);
+    if (trailArity() == 8u) {
+        m = met.moreKeys;
+        sortFour(m);
+        // Batcher's merge of two sorted fours.
+        order(k.x, m.x);
+        order(k.y, m.y);
+        order(k.z, m.z);
+        order(k.w, m.w);
+        order(k.z, m.x);
+        order(k.w, m.y);
+        order(k.y, k.z);
+        order(k.w, m.x);
+        order(m.y, m.z);
+        sixth = m.y;
+    }
+    later = uvec4(k.y, k.z, k.w, m.x);
+    return k.x;
+}
+
 // Which of the children comes next, and those that follow it onto the stack. `node` is their parent.
 void visitNearest(uint node, Children met, Children all, INOUT(Trail) s) {
-    uvec4 k = met.keys;
-    uint next = k.x;
-    uvec4 later = uvec4(NONE);  // the second to the fifth
     uint sixth = NONE;
-    uint count = 0u;
-    order(k.x, k.y);
-    if (trailArity() == 2u) {
-        next = k.x;
-        later.x = k.y;
-        count = choose(k.y != NONE, 1u, 0u);
-    } else {
-        order(k.z, k.w);
-        order(k.x, k.z);
-        order(k.y, k.w);
-        order(k.y, k.z);
-        if (trailArity() == 8u) {
-            uvec4 m = met.moreKeys;
-            order(m.x, m.y);
-            order(m.z, m.w);
-            order(m.x, m.z);
-            order(m.y, m.w);
-            order(m.y, m.z);
-            // Batcher's merge of two sorted fours.
-            order(k.x, m.x);
-            order(k.y, m.y);
-            order(k.z, m.z);
-            order(k.w, m.w);
-            order(k.z, m.x);
-            order(k.w, m.y);
-            order(k.y, k.z);
-            order(k.w, m.x);
-            order(m.y, m.z);
-            later.w = m.x;
-            sixth = m.y;
-        }
-        next = k.x;
-        later.x = k.y;
-        later.y = k.z;
-        later.z = k.w;
-        count = choose(later.x != NONE, 1u, 0u) + choose(later.y != NONE, 1u, 0u) + choose(later.z != NONE, 1u, 0u) +
-                choose(later.w != NONE, 1u, 0u);
-    }
+    uvec4 later = uvec4(NONE);
+    uint next = sortKeys(met, later, sixth);
+    uint count = choose(later.x != NONE, 1u, 0u);
+    if (trailArity() > 2u)
+        count += choose(later.y != NONE, 1u, 0u) + choose(later.z != NONE, 1u, 0u) + choose(later.w != NONE, 1u, 0u);
     makeRoom(count, s);
     s.earliest = min(s.earliest, sixth);
     bool wide = trailArity() == 8u;
