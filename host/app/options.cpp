@@ -143,9 +143,12 @@ void addStructure(CLI::App& app, Options& options, const std::string& more = "au
     addMemoryBudget(app, options);
     if (isAuto) {
         addInstances(app, options);
-        CLI::Option* const save = app.add_option("--save-structure", options.saveStructure, "write the structure to this file");
-        app.add_option("--load-structure", options.loadStructure, "read the structure from such a file instead of building it")
-            ->type_name("FILE")->excludes(save->type_name("FILE"));
+        CLI::Option* const save =
+            app.add_option("--save-structure", options.saveStructure, "write the structure to this file");
+        app.add_option("--load-structure", options.loadStructure,
+                       "read the structure from such a file instead of building it")
+            ->type_name("FILE")
+            ->excludes(save->type_name("FILE"));
     }
     addWholeNumber(app, "--seed", options.seed, 0, largest, "of the random numbers (default: 0)");
 }

@@ -11,8 +11,8 @@ struct KeepRule {
     uint32_t leastTriangles = 1;
 };
 
-/// Smaller meshes are written out. A box of 12 triangles takes some 3 kB so, and 192 to 640 bytes if kept (its record, and its nodes
-/// in the top tree, of which there are eight copies up to 2^16 places); but it is traced faster.
+/// Smaller meshes are written out. A box of 12 triangles takes some 3 kB so, and 192 to 640 bytes if kept (its record, and
+/// its nodes in the top tree, of which there are eight copies up to 2^16 places); but it is traced faster.
 inline constexpr KeepRule worthwhile{.leastTriangles = 32};
 
 /// Primitives that would be stored: triangles once for meshes that the rule keeps, all others once an instance. Of all,

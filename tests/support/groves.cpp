@@ -154,7 +154,8 @@ Scene overflowingGrove(float far) {
                                        {vec3(far, 0, 0), vec3(far, 1e6f, 0), vec3(far, 0, 1e6f)}};
     for (int i = 0; i < 40; ++i) {
         const float y = 0.02f * wide * static_cast<float>(i);
-        triangles.push_back({vec3(0, y, 0), vec3(0, y + 0.01f * wide, 0.1f * wide), vec3(0, y, static_cast<float>(random.unit()) * wide)});
+        triangles.push_back(
+            {vec3(0, y, 0), vec3(0, y + 0.01f * wide, 0.1f * wide), vec3(0, y, static_cast<float>(random.unit()) * wide)});
     }
     scene.meshes.push_back(meshOf(triangles));
     for (int i = 0; i < 3; ++i)
