@@ -21,7 +21,7 @@ public:
     /// Where geometry.isInstanced(), the structure has two levels.
     Structure make(const Scene& scene, const Geometry& geometry);
 
-    /// True if the fastest walk of bvh is wanted, whichever that is (--walk auto), and nothing else that depends on the walk.
+    /// True if the fastest walk of bvh is wanted, whichever that is (--walk auto), and nothing that depends on the walk.
     bool leavesWalkOpen() const;
     /// Takes that walk, unless the memory budget allows the builder only another. Requires leavesWalkOpen().
     void setWalk(const WalkChoice& choice);

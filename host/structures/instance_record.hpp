@@ -16,7 +16,8 @@ struct InstanceSpace {
     bool invertible = false;
 };
 
-/// `inner` maps the bottom's unit to the scene's; `bounds` are the bottom's, and `at` is a point of the scene, both in their unit.
+/// `inner` maps the bottom's unit to the scene's; `bounds` are the bottom's, and `at` is a point of the scene, both in their
+/// unit.
 InstanceSpace instanceSpace(const shared::Placement& inner, const Box& bounds, const vec3& at);
 
 /// The placement, its factor from one unit of length to the other taken in. Both are powers of two.
@@ -25,8 +26,12 @@ shared::Placement betweenUnits(const shared::Placement& placement, float bottomU
 /// True if betweenUnits gave `inner` without rounding, in normal floats.
 bool isExact(const shared::Placement& placement, const shared::Placement& inner, float bottomUnit, float sceneUnit);
 
+/// True if a bottom of these bounds (in its unit) may be kept under `inner`, its unit's transform to the scene's, where the
+/// scene's extent is `extent`: the slack that its rays need is small beside it.
+bool fits(const shared::Placement& inner, const Box& bounds, float extent);
+
 /// Writes the record (shaders/shared/structure.glsl). Requires an invertible space.
-void writeInstance(uvec4* record, const shared::Placement& inner, const InstanceSpace& space, const vec3& at, uint32_t firstId,
-                   uint32_t bottomAt, bool mirrored);
+void writeInstance(uvec4* record, const shared::Placement& inner, const InstanceSpace& space, const vec3& at,
+                   uint32_t firstId, uint32_t bottomAt, bool mirrored);
 
 }  // namespace raig
