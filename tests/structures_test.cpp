@@ -56,7 +56,7 @@ TEST_P(EveryStructure, IsWalkedFromVeryFarAway) {
 }
 
 TEST_P(EveryStructure, IsTheSameForAnyNumberOfThreads) {
-    const Soup soup{"sphere", test::sphere(80, 1.0, dvec3(0), 0.1)};
+    const Soup soup{"sphere", test::sphere(150, 1.0, dvec3(0), 0.1)};
     std::vector<Structure> built;
     for (size_t threads : {1, 2, 5}) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);

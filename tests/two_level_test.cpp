@@ -11,19 +11,17 @@
 #include "support/groves.hpp"
 #include "support/random.hpp"
 #include "support/soups.hpp"
+#include "support/variants.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 
 namespace raig {
 namespace {
 
 using test::Grove;
-
-bool isLong() { return std::getenv("RAIG_LONG") != nullptr; }
 
 /// A grove with what it is compared with. The truth is brute force over the triangles written out.
 struct Case {
@@ -101,7 +99,7 @@ size_t countKept(const Structure& structure) {
 TEST(TwoLevels, HaveTheHitsOfTheSceneWrittenOutToTheBit) {
     size_t instances = 0, rays = 0;
     for (const Grove& grove : test::groves()) {
-        const Case c(grove, isLong() ? 100'000 : 1'500);
+        const Case c(grove, test::isLong() ? 100'000 : 1'500);
         for (const Variant& variant : variants()) {
             const Structure structure = c.build(variant.structure, variant.params);
             const std::string what = c.name + ' ' + variant.structure + ' ' + describeOptions(variant.params);
@@ -271,14 +269,14 @@ INSTANTIATE_TEST_SUITE_P(Devices, TwoLevelsOnDevice, testing::ValuesIn(devicesTo
 // slowest only bvh does; in a long run each device sees everything.
 TEST_P(TwoLevelsOnDevice, HaveTheHitsOfTheSceneWrittenOutToTheBit) {
     Device device(info);
-    const bool slow = GetParam() == "SwiftShader" && !isLong();
+    const bool slow = GetParam() == "SwiftShader" && !test::isLong();
     for (const Grove& grove : test::groves()) {
-        const Case c(grove, isLong() ? 50'000 : 4'000);
+        const Case c(grove, test::isLong() ? 50'000 : 4'000);
         if (c.triangles.empty()) continue;
         for (const Variant& variant : variants()) {
             const bool plain = describeOptions(variant.params).empty(), bvh = plain && variant.structure == "bvh";
             const bool fast = bvh || (plain && c.name == "sizes"), wanted = bvh && c.name == "displaced";
-            if (!isLong() && !(slow ? wanted : fast)) continue;
+            if (!test::isLong() && !(slow ? wanted : fast)) continue;
             const Structure structure = c.build(variant.structure, variant.params);
             const auto tracer = makeDeviceTracer(device, structure);
             expectTheTruth(*tracer, c, c.name + ' ' + variant.structure + ' ' + describeOptions(variant.params));
@@ -290,7 +288,7 @@ TEST_P(TwoLevelsOnDevice, HaveTheHitsOfTheSceneWrittenOutToTheBit) {
 // Walks that one dispatch does not finish go on in the next, in whichever instance they were: 40 piles of 1,500 triangles
 // each, all in the same place but for the last triangle of each pile.
 TEST_P(TwoLevelsOnDevice, TakeUpLongWalksWhereTheyStopped) {
-    if (GetParam() == "SwiftShader" && !isLong()) GTEST_SKIP() << info.name << " takes a minute: see the long tests";
+    if (GetParam() == "SwiftShader" && !test::isLong()) GTEST_SKIP() << info.name << " takes a minute: see the long tests";
     Device device(info);
     Mesh pile;
     pile.positions = {vec3(-1, -1, 1),    vec3(1, -1, 1),    vec3(0, 1, 1),
@@ -324,7 +322,7 @@ TEST_P(TwoLevelsOnDevice, CountWhatTheCpuCounts) {
     const Case c(test::groves().front(), 3000);
     std::vector<Hit> hits(c.rays.size());
     for (const char* name : {"bvh", "kdtree"}) {
-        if (GetParam() == "SwiftShader" && !isLong() && name != std::string("bvh")) continue;
+        if (GetParam() == "SwiftShader" && !test::isLong() && name != std::string("bvh")) continue;
         const Structure structure = c.build(name);
         const WalkCounters cpu = makeCpuTracer(structure)->trace(c.rays, hits, Query::closest).counters;
         const WalkCounters counted =
