@@ -1,5 +1,6 @@
 #include "device/kernel.hpp"
 
+#include "device/specialize.hpp"
 #include "device/vulkan.hpp"
 
 namespace raig {
@@ -60,23 +61,15 @@ void makeLayouts(const Kernel::State& kernel, vk::Pipeline& made) {
 void makePipeline(const Kernel::State& kernel, std::span<const uint32_t> spirv, const Constants& constants,
                   vk::Pipeline& made) {
     Device::State& device = *kernel.device;
-    std::vector<VkSpecializationMapEntry> entries;
-    std::vector<uint32_t> values;
-    for (const auto& [id, value] : constants) {
-        entries.push_back({id, static_cast<uint32_t>(values.size() * sizeof(uint32_t)), sizeof(uint32_t)});
-        values.push_back(value);
-    }
-    const VkSpecializationInfo special{static_cast<uint32_t>(entries.size()), entries.data(),
-                                       values.size() * sizeof(uint32_t), values.data()};
+    const std::vector<uint32_t> special = vk::specialize(kernel.name, spirv, constants);
     VkShaderModuleCreateInfo code = vk::init<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
-    code.codeSize = spirv.size_bytes();
-    code.pCode = spirv.data();
+    code.codeSize = special.size() * sizeof(uint32_t);
+    code.pCode = special.data();
     VkComputePipelineCreateInfo create =
         vk::init<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
     create.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     create.stage.pName = "main";
-    create.stage.pSpecializationInfo = &special;
     create.layout = made.layout;
     vk::check(device.call.vkCreateShaderModule(device.handle, &code, nullptr, &create.stage.module), "load a kernel");
     const VkResult result =
