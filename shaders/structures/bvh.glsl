@@ -14,6 +14,7 @@
 //           using a Roped BVH with CUDA"; slabs: Kay and Kajiya 1986, "Ray Tracing Complex Scenes".
 
 #define WALKS_IN_PAIRS
+#define HAS_WALK(walk) ((walk) < WALK_TRAIL)
 
 CONSTANT uint LEAF = 0x80000000u;
 

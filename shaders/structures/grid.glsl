@@ -28,6 +28,8 @@
 // Source    Amanatides, Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing", without its sums; two levels: Kalojanov,
 //           Billeter, Slusallek 2011, "Two-Level Grids for Ray Tracing on GPUs".
 
+#define HAS_WALK(walk) ((walk) < 2u)
+
 CONSTANT uint CROWDED = 0x80000000u;
 CONSTANT uint LAST = 0x80000000u;
 CONSTANT uint FINE_LOG = 5u;  // planes are numbered in 32nds of a cell, where cells may have parts

@@ -20,6 +20,8 @@
 //           a GPU Raytracer"; Horn et al. 2007, "Interactive k-D Tree GPU Raytracing" (short stack, push-down). Neighbour
 //           links [Popov et al. 2007] would need to follow several cells at once where the slack reaches into them.
 
+#define HAS_WALK(walk) ((walk) <= WALK_SHORT_STACK)
+
 CONSTANT uint LEAF = 0x80000000u;
 CONSTANT uint EMPTY = 0xffffffffu;
 CONSTANT uint LAST = 0x80000000u;
