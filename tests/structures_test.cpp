@@ -55,15 +55,24 @@ TEST_P(EveryStructure, IsWalkedFromVeryFarAway) {
     }
 }
 
-TEST_P(EveryStructure, IsTheSameForAnyNumberOfThreads) {
-    const Soup soup{"sphere", test::sphere(150, 1.0, dvec3(0), 0.1)};
+void expectTheSameForAnyNumberOfThreads(const Variant& variant, uint32_t rings) {
+    const std::vector<Triangle> triangles = test::sphere(rings, 1.0, dvec3(0), 0.1);
     std::vector<Structure> built;
     for (size_t threads : {1, 2, 5}) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        built.push_back(build(soup));
+        built.push_back(variant.build(triangles));
         EXPECT_EQ(built.back().nodes, built.front().nodes) << threads;
         EXPECT_EQ(built.back().triangles, built.front().triangles) << threads;
     }
+}
+
+TEST_P(EveryStructure, IsTheSameForAnyNumberOfThreads) {
+    expectTheSameForAnyNumberOfThreads(GetParam(), /* rings= */ 80);  // 25,600 triangles
+}
+
+// From 65,536 primitives on, binned SAH sorts them into bins in parallel, too.
+TEST(LargeStructures, AreTheSameForAnyNumberOfThreads) {
+    expectTheSameForAnyNumberOfThreads({"bvh", {}}, /* rings= */ 150);
 }
 
 TEST_P(EveryStructure, IsNoObstacleToShadowsWhereLightPasses) {

@@ -131,7 +131,7 @@ Structure build(std::span<const Primitive> triangles, const BuildParams& params)
         header.gridOrigin = header.lo;
         const Tree tree = buildTree(triangles, usable, header, limitsOf(params, usable.size()));
         layout.write(*tree.root);
-        if (tree.lacksMemory) structure.remarks.push_back("the memory budget stopped bsp from splitting further");
+        if (tree.lacksMemory) structure.remarks.emplace_back("the memory budget stopped bsp from splitting further");
     }
     const std::vector<uint32_t>& order = layout.order();
     structure.header.triangleCount = static_cast<uint32_t>(order.size());
