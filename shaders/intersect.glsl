@@ -30,8 +30,10 @@ bool isWithin(vec3 v, float limit) {
     return abs(v.x) <= limit && abs(v.y) <= limit && abs(v.z) <= limit;
 }
 
-// Both sides evaluated, and no branch: `?:` of other than names branches, and drivers take long over many branches.
+// Both sides evaluated, and no branch: `?:` of other than names branches, and drivers take long over many branches. (That of
+// SwiftShader takes twice as long with each one more that follows others in a loop.)
 float pick(bool first, float a, float b) { return mix(b, a, first); }
+uint pick(bool first, uint a, uint b) { return mix(b, a, first); }
 vec3 pick(bool first, vec3 a, vec3 b) { return mix(b, a, bvec3(first, first, first)); }
 
 vec3 turned(vec3 v, uint axisZ) {
@@ -43,7 +45,7 @@ vec3 turned(vec3 v, uint axisZ) {
 float steep(float component, float largest) {
     float least = largest * 7.450580596923828e-9f;  // 2^-27
     float sign = (floatBitsToUint(component) >> 31) != 0u ? -1.0f : 1.0f;
-    return abs(component) < least ? sign * least : component;
+    return pick(abs(component) < least, sign * least, component);
 }
 
 // 1 / p of a power of two, by its exponent: exact where division may not be.
@@ -143,8 +145,8 @@ float maxOf(float a, float b) { return intBitsToFloat(max(floatBitsToInt(a), flo
 float minOf(float a, float b) { return intBitsToFloat(min(floatBitsToInt(a), floatBitsToInt(b))); }
 
 // The same for floats of any sign, none of them NaN.
-float greater(float a, float b) { return a > b ? a : b; }
-float lesser(float a, float b) { return a < b ? a : b; }
+float greater(float a, float b) { return pick(a > b, a, b); }
+float lesser(float a, float b) { return pick(a < b, a, b); }
 
 // True if the ray meets the box between its near and its far planes (each already chosen by the direction's signs) at some
 // distance in [tMin, tMax]. Requires tMin >= 0. Monotonic: whatever meets a box meets every box around it.

@@ -98,16 +98,16 @@ void restartBsp(BspRay b, INOUT(BspPlace) place) {
 // as a number, and takes one of the tree's sides: so a walk makes no more of them than there are nodes.
 void leaveCell(BspRay b, float tMax, INOUT(BspPlace) place, INOUT(uvec4) at) {
     bool low = place.waitsLow != 0u;
-    uint waits = low ? place.waitsLow : place.waitsHigh;
+    uint waits = pick(low, place.waitsLow, place.waitsHigh);
     uint level = waits & (~waits + 1u);
-    at.x = low ? at.x : (at.x | level) & ~(level - 1u);
-    at.y = low ? (at.y | level) & ~(level - 1u) : 0u;
+    at.x = pick(low, at.x, (at.x | level) & ~(level - 1u));
+    at.y = pick(low, (at.y | level) & ~(level - 1u), 0u);
     at.z = 0u;
-    at.w = waits == 0u || tMax < place.waitsFrom ? BSP_DONE : at.w + 1u;
-    place.waitsLow = low ? waits & ~level : 0u;
-    place.waitsHigh = low ? place.waitsHigh : waits & ~level;
-    place.levelHigh = low ? 0u : level >> 1;
-    place.levelLow = low ? level >> 1 : level << 31;
+    at.w = pick(waits == 0u || tMax < place.waitsFrom, BSP_DONE, at.w + 1u);
+    place.waitsLow = pick(low, waits & ~level, 0u);
+    place.waitsHigh = pick(low, place.waitsHigh, waits & ~level);
+    place.levelHigh = pick(low, 0u, level >> 1);
+    place.levelLow = pick(low, level >> 1, level << 31);
     place.holdsLeaf = false;
     place.inChain = false;
     place.tested = 0u;
@@ -124,22 +124,22 @@ void leaveCell(BspRay b, float tMax, INOUT(BspPlace) place, INOUT(uvec4) at) {
     }
 }
 
-// Goes from an inner node to one of its children, and has the other wait if the ray passes both.
-void descend(WalkRay ray, BspRay b, float tMax, uvec4 node, INOUT(BspPlace) place, INOUT(uvec4) at) {
+// Goes from an inner node to one of its children, and has the other wait if the ray passes both. False if it passes neither.
+bool descend(WalkRay ray, BspRay b, float tMax, uvec4 node, INOUT(BspPlace) place, INOUT(uvec4) at) {
     float least = 9.5367431640625e-7f;  // 2^-20, the step of the components of n
     vec3 n = vec3(float(int(node.x & 0x1fffffu) - 0x100000) * least, float(int(node.y & 0x1fffffu) - 0x100000) * least,
                   float(int((node.x >> 21) | ((node.y >> 21) << 11)) - 0x100000) * least);
     precise float s = n.x * b.origin.x + n.y * b.origin.y + n.z * b.origin.z - uintBitsToFloat(node.z);
     precise float speed = n.x * ray.direction.x + n.y * ray.direction.y + n.z * ray.direction.z;
     bool rises = speed >= 0.0f;
-    s = rises ? s : -s;
+    s = pick(rises, s, -s);
     speed = abs(speed);
-    speed = speed < 8.673617379884035e-19f ? 8.673617379884035e-19f : speed;  // 2^-60
+    speed = pick(speed < 8.673617379884035e-19f, 8.673617379884035e-19f, speed);  // 2^-60
     precise float inverse = 1.0f / speed;
     precise float leaveNear = (b.slack - s) * inverse;
     precise float enterFar = (-b.slack - s) * inverse;
-    leaveNear = leaveNear < place.leave ? leaveNear : place.leave;
-    enterFar = enterFar > place.enter ? enterFar : place.enter;
+    leaveNear = lesser(leaveNear, place.leave);
+    enterFar = greater(enterFar, place.enter);
 
     bool noBelow = (node.w & BSP_NO_BELOW) != 0u;
     bool noAbove = (node.w & BSP_NO_ABOVE) != 0u;
@@ -148,8 +148,8 @@ void descend(WalkRay ray, BspRay b, float tMax, uvec4 node, INOUT(BspPlace) plac
     // Which way the trail leads depends on the ray alone, not on what it has hit: it must lead there again.
     bool takenUp = (at.x & place.levelHigh) != 0u || (at.y & place.levelLow) != 0u;
     bool goesFar = entersFar && (!entersNear || takenUp);
-        uint below = node.w & BSP_INDEX;
-    uint above = noBelow || noAbove ? below : below + 1u;
+    uint below = node.w & BSP_INDEX;
+    uint above = pick(noBelow || noAbove, below, below + 1u);
     // Children come after their parents, so every way down ends. Where they do not, the walk stays here and does not end,
     // which whoever makes it notices after mostSteps().
     bool sound = below > place.node && above < header.nodeCount;
@@ -162,63 +162,63 @@ void descend(WalkRay ray, BspRay b, float tMax, uvec4 node, INOUT(BspPlace) plac
         place.third = place.second;
         place.second = place.first;
         place.first = uvec4(farChild, floatBitsToUint(enterFar), floatBitsToUint(place.leave), 0u);
-        place.waiting = place.waiting < 4u ? place.waiting + 1u : 4u;
+        place.waiting = pick(place.waiting < 4u, place.waiting + 1u, 4u);
         place.waitsHigh = place.waitsHigh | place.levelHigh;
         place.waitsLow = place.waitsLow | place.levelLow;
-        place.waitsFrom = enterFar < place.waitsFrom ? enterFar : place.waitsFrom;
+        place.waitsFrom = lesser(enterFar, place.waitsFrom);
     }
     uint child = goesFar ? farChild : nearChild;
-    place.enter = goesFar ? enterFar : place.enter;
-    place.leave = goesFar ? place.leave : leaveNear;
+    place.enter = pick(goesFar, enterFar, place.enter);
+    place.leave = pick(goesFar, place.leave, leaveNear);
     place.levelLow = (place.levelLow >> 1) | (place.levelHigh << 31);
     place.levelHigh = place.levelHigh >> 1;
-    place.node = sound ? child : place.node;
-    if (!(entersNear || entersFar)) leaveCell(b, tMax, place, at);
+    place.node = pick(sound, child, place.node);
+    return entersNear || entersFar;
 }
 
 // One node: an inner one is left for a child, and a leaf is held until its references are tested. at.z of them are already
 // if the walk was interrupted here: then this goes to the part of the leaf that is next.
 void stepBsp(WalkRay ray, BspRay b, float tMax, INOUT(BspPlace) place, INOUT(uvec4) at) {
     if (place.holdsLeaf || at.w == BSP_DONE) return;
-    if (place.enter > tMax) {
-        leaveCell(b, tMax, place, at);
-        return;
+    bool leaves = place.enter > tMax;
+    if (!leaves) {
+        COUNT_NODE(true)
+        uvec4 node = nodes_at(place.node);
+        if (node.w < BSP_LEAF) {
+            leaves = !descend(ray, b, tMax, node, place, at);
+        } else {
+            bool goesOn = !place.inChain && (node.w & BSP_LINKED) != 0u && at.z >= 2u;
+            place.holdsLeaf = !goesOn;
+            place.leaf = node;
+            place.tested = pick(goesOn, (at.z - 2u) % 3u, pick(place.inChain, place.tested, at.z));
+            uint next = node.z + (at.z - 2u) / 3u;
+            bool sound = next > place.node && next < header.nodeCount;
+            place.inChain = place.inChain || (goesOn && sound);
+            place.node = pick(goesOn && sound, next, place.node);
+        }
     }
-    COUNT_NODE(true)
-    uvec4 node = nodes_at(place.node);
-    if (node.w < BSP_LEAF) {
-        descend(ray, b, tMax, node, place, at);
-    } else {
-        bool goesOn = !place.inChain && (node.w & BSP_LINKED) != 0u && at.z >= 2u;
-        place.holdsLeaf = !goesOn;
-        place.leaf = node;
-        place.tested = goesOn ? (at.z - 2u) % 3u : (place.inChain ? place.tested : at.z);
-        uint next = node.z + (at.z - 2u) / 3u;
-        bool sound = next > place.node && next < header.nodeCount;
-        place.inChain = place.inChain || (goesOn && sound);
-        place.node = goesOn && sound ? next : place.node;
-    }
+    if (leaves) leaveCell(b, tMax, place, at);
 }
 
 // One reference of the leaf that is held, if any.
 void testLeaf(WalkRay ray, BspRay b, INOUT(BspPlace) place, INOUT(uvec4) at, INOUT(Hit) best) {
     if (!place.holdsLeaf) return;
     uvec4 leaf = place.leaf;
-    uint index = place.tested == 0u ? leaf.x : (place.tested == 1u ? leaf.y : leaf.z);
+    uint index = pick(place.tested == 0u, leaf.x, pick(place.tested == 1u, leaf.y, leaf.z));
     bool hit = testTriangle(ray, index, best);
     ++place.tested;
     ++at.z;
     if (place.tested >= (leaf.w & 3u)) {
-        uint next = (leaf.w & BSP_LINKED) != 0u ? leaf.z : place.node + 1u;
+        uint next = pick((leaf.w & BSP_LINKED) != 0u, leaf.z, place.node + 1u);
         bool goesOn = (leaf.w & BSP_MORE) != 0u;
         bool sound = next > place.node && next < header.nodeCount;
-        place.node = goesOn && !sound ? place.node : next;
+        place.node = pick(goesOn && !sound, place.node, next);
         place.tested = 0u;
         place.inChain = true;
         place.holdsLeaf = false;
         if (!goesOn) leaveCell(b, best.t, place, at);
     }
-    at.w = ANY_HIT && hit ? BSP_DONE : at.w;
+    at.w = pick(ANY_HIT && hit, BSP_DONE, at.w);
 }
 
 // at.x, at.y: the trail, the root's level in the highest bit of at.x: 1 where the farther of two sides was taken up.
