@@ -112,9 +112,7 @@ TEST_P(CorruptOnDevices, LinksAreNoticed) {
     const std::vector<Triangle> triangles = test::sphere(12, 1.0, dvec3(0), 0.1);
     const std::vector<Ray> rays = test::rays(triangles, /* seed= */ 4, /* count= */ 100);
     std::vector<Hit> hits(rays.size());
-    const bool slow = GetParam() == "SwiftShader" && !test::isLong();  // to compile three kernels a structure
     for (const StructureType& type : structureTypes()) {
-        if (slow && type.name != "bvh") continue;
         Structure structure = type.build(triangles, {});
         if (!forge(structure)) continue;
         EXPECT_THROW(makeDeviceTracer(device, structure)->trace(rays, hits, Query::closest), CorruptStructure) << type.name;

@@ -120,8 +120,6 @@ protected:
         const Structure structure = variant.build(task.soup.triangles);
         expectAsBruteForce(task, variant, *makeDeviceTracer(*device_, structure));
     }
-    /// SwiftShader takes seconds to compile a kernel, and long over every ray.
-    bool isSlow() const { return std::get<0>(GetParam()) == "SwiftShader"; }
 
     std::unique_ptr<Device> device_;
     std::vector<Variant> variants_;
@@ -130,10 +128,9 @@ protected:
 // A short run has one scene of all soups for every variant, and for a few also scenes of other sizes, which are not in it. A
 // long run has all soups for every variant, and a million rays.
 TEST_P(EveryStructure, IsWalkedAsByBruteForce) {
-    const Task all = allInOne(test::isLong() ? 2000 : isSlow() ? 50 : 250);
+    const Task all = allInOne(test::isLong() ? 2000 : 250);
     for (const Variant& variant : variants_) check(all, variant);
-    const std::vector<std::string> few =
-        isSlow() ? std::vector<std::string>{"huge"} : std::vector<std::string>{"far", "tiny", "huge", "stadium"};
+    const std::vector<std::string> few = {"far", "tiny", "huge", "stadium"};
     const std::vector<Soup> soups = test::soups();
     const size_t million = 1'000'000 / (2 * soups.size() * variants_.size()) + 1;
     for (const Soup& soup : soups) {

@@ -132,12 +132,11 @@ TEST_P(EveryDevice, ReadsArraysThatAreSplit) {
 TEST_P(EveryDevice, WalksRealScenesAsTheCpuAndBruteForceDo) {
     const fs::path scenes = fs::path(RAIG_SOURCE_DIR) / "../shared/scenes";
     if (!fs::exists(scenes)) GTEST_SKIP() << "the real scenes (../shared/scenes) are not here";
-    const bool slow = GetParam() == "SwiftShader" && !test::isLong();
     for (const char* file : {"meshes/bunny.ply", "rooms/white_room.glb", "stadium/house_and_bunny.glb"}) {
         const std::vector<Triangle> triangles = primitivesOf(flatten(importScene(scenes / file)));
         const Structure structure = structureType("bvh").build(triangles, {});
         EXPECT_EQ(structureType("bvh").findFault(structure, triangles), std::nullopt) << file;
-        const size_t count = test::isLong() ? 1'000'000 : slow ? 10'000 : 50'000;
+        const size_t count = test::isLong() ? 1'000'000 : 50'000;
         const std::vector<Ray> rays = test::rays(triangles, /* seed= */ 21, count);
         const std::vector<Hit> want = trace(*makeCpuTracer(structure), rays);
         expectSame(trace(*makeDeviceTracer(*device_, structure), rays), want, rays, file);
@@ -149,8 +148,6 @@ TEST_P(EveryDevice, WalksRealScenesAsTheCpuAndBruteForceDo) {
         const bool stadium = std::string_view(file).starts_with("stadium");
         for (const StructureType& type : structureTypes()) {
             if (type.name == "bvh" || type.name == "brute") continue;
-            // Other structures are walked on SwiftShader by matrix_test: here it takes minutes to compile their kernels.
-            if (slow) continue;
             const Structure other = type.build(triangles, {});
             EXPECT_EQ(type.findFault(other, triangles), std::nullopt) << file << ' ' << type.name;
             expectSameOfFirst(*makeDeviceTracer(*device_, other), stadium ? 200 : test::isLong() ? rays.size() : 5'000,
