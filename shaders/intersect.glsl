@@ -35,6 +35,7 @@ bool isWithin(vec3 v, float limit) {
 float pick(bool first, float a, float b) { return mix(b, a, first); }
 uint pick(bool first, uint a, uint b) { return mix(b, a, first); }
 vec3 pick(bool first, vec3 a, vec3 b) { return mix(b, a, bvec3(first, first, first)); }
+uvec4 pick(bool first, uvec4 a, uvec4 b) { return mix(b, a, bvec4(first, first, first, first)); }
 
 vec3 turned(vec3 v, uint axisZ) {
     return pick(axisZ == 2u, v, pick(axisZ == 0u, vec3(v.y, v.z, v.x), vec3(v.z, v.x, v.y)));

@@ -76,7 +76,7 @@ public:
 
 private:
     DispatchSize(bool software, bool llvmpipe)
-        : target_(software ? 0.25 : 0.02), most_(llvmpipe ? 0x1p26 : software ? 0x1p24 : 0x1p31),
+        : target_(software ? 0.25 : 0.02), most_(llvmpipe ? 0x1p28 : software ? 0x1p24 : 0x1p31),
           work_(software ? 0x1p18 : 0x1p22) {}
 
     double target_;  // seconds

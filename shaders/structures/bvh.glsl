@@ -9,7 +9,8 @@
 //           has those).
 // Ensures   as every walk (shaders/trace.glsl).
 // Cost      at.x only grows, so a node is visited at most once; no stack, no shared memory. One step tests up to six nodes
-//           for the rays that hold no leaf, then one triangle for those that do: wide devices run both sides of a branch.
+//           (four, of two rays in turn) where no leaf is held, then a primitive where one is: wide devices run both sides
+//           of a branch.
 // Source    Smits 1998, "Efficiency Issues for Ray Tracing" (skip links); a tree an octant: Torres et al. 2009, "Ray Casting
 //           using a Roped BVH with CUDA"; slabs: Kay and Kajiya 1986, "Ray Tracing Complex Scenes".
 
@@ -204,7 +205,26 @@ void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
     }
 }
 
-// Two walks from their beginnings, step by step in turn: a software device computes one while it waits for the other.
+Hit pick(bool first, Hit a, Hit b) {
+    return Hit(pick(first, a.t, b.t), pick(first, a.u, b.u), pick(first, a.v, b.v), pick(first, a.primitive, b.primitive));
+}
+
+// Only what tests of primitives need.
+WalkRay pick(bool first, WalkRay a, WalkRay b) {
+    WalkRay ray = b;
+    ray.origin = pick(first, a.origin, b.origin);
+    ray.direction = pick(first, a.direction, b.direction);
+    ray.tMin = pick(first, a.tMin, b.tMin);
+    ray.tolerance = pick(first, a.tolerance, b.tolerance);
+    ray.shear = vec2(pick(first, a.shear.x, b.shear.x), pick(first, a.shear.y, b.shear.y));
+    ray.inverseZ = pick(first, a.inverseZ, b.inverseZ);
+    ray.axisZ = pick(first, a.axisZ, b.axisZ);
+    return ray;
+}
+
+// Two walks from their beginnings, step by step in turn: a software device computes one while it waits for the other. A
+// primitive is tested for one of the two only. Seldom does either hold a leaf, and such devices test whether there is one or
+// not; where both do, the second waits.
 void walkPair(WalkRay rayA, WalkRay rayB, INOUT(uvec4) atA, INOUT(uvec4) atB, uint maxSteps, INOUT(Hit) bestA, INOUT(Hit) bestB) {
     NodeSpace spaceA = prepareNodes(rayA);
     NodeSpace spaceB = prepareNodes(rayB);
@@ -222,14 +242,18 @@ void walkPair(WalkRay rayA, WalkRay rayB, INOUT(uvec4) atA, INOUT(uvec4) atB, ui
         stepNode(rayB, spaceB, bestB.t, atB.x, heldB, takenB);
         stepNode(rayA, spaceA, bestA.t, atA.x, heldA, takenA);
         stepNode(rayB, spaceB, bestB.t, atB.x, heldB, takenB);
-        stepNode(rayA, spaceA, bestA.t, atA.x, heldA, takenA);
-        stepNode(rayB, spaceB, bestB.t, atB.x, heldB, takenB);
-        stepNode(rayA, spaceA, bestA.t, atA.x, heldA, takenA);
-        stepNode(rayB, spaceB, bestB.t, atB.x, heldB, takenB);
         atA.x = min(atA.x, end);
         atB.x = min(atB.x, end);
-        testLeaf(rayA, takenA, atA, bestA);
-        testLeaf(rayB, takenB, atB, bestB);
+        bool isB = takenB.holdsLeaf && !takenA.holdsLeaf;
+        WalkRay ray = pick(isB, rayB, rayA);
+        Step taken = Step(pick(isB, takenB.word, takenA.word), takenA.holdsLeaf || takenB.holdsLeaf);
+        uvec4 at = pick(isB, atB, atA);
+        Hit best = pick(isB, bestB, bestA);
+        testLeaf(ray, taken, at, best);
+        atA = pick(isB, atA, at);
+        atB = pick(isB, at, atB);
+        bestA = pick(isB, bestA, best);
+        bestB = pick(isB, best, bestB);
     }
 }
 
