@@ -6,6 +6,7 @@
 #include "rays/cpu_walk.hpp"
 #include "rays/tracer.hpp"
 #include "structures/bsp_plane.hpp"
+#include "support/effort.hpp"
 #include "support/random.hpp"
 #include "support/soups.hpp"
 
@@ -117,7 +118,7 @@ TEST(Bsp, IsExactForRaysInItsPlanes) {
             const std::vector<Triangle> triangles = soupNamed(name);
             const BuildParams params{.maxLeaf = maxLeaf};
             for (const double away : {1.0, 30.0, 1e3, 1e6})
-                expectBrute(triangles, raysAlongPlanes(bsp::build(triangles, params), 2000, away), params,
+                expectBrute(triangles, raysAlongPlanes(bsp::build(triangles, params), test::affordable(2000), away), params,
                             fmt::format("{} from {}", name, away));
         }
 }

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "rays/tracer.hpp"
 #include "structures/grid_shape.hpp"
+#include "support/effort.hpp"
 #include "support/random.hpp"
 #include "support/soups.hpp"
 
@@ -144,10 +145,10 @@ TEST(Grid, FindsWhatBruteForceFindsAtFacesOfCells) {
                 const std::vector<Triangle> walls = wallsAtFaces(frame, levels, 2, density);
                 const Structure structure = gridOver(walls, levels, density);
                 EXPECT_EQ(grid::findFault(structure, walls), std::nullopt);
-                hits += expectAsBrute(structure, walls, raysAtCells(structure, walls, 5, 6000),
+                hits += expectAsBrute(structure, walls, raysAtCells(structure, walls, 5, test::affordable(6000)),
                                       fmt::format("{} levels at {}", levels, offset));
             }
-    EXPECT_GT(hits, 6000u);
+    EXPECT_GT(hits, test::affordable(6000));
 }
 
 // Hard cases 32, 33, 34 and 36, among others.
@@ -156,7 +157,7 @@ TEST(Grid, FindsWhatBruteForceFindsFromFacesOfCells) {
         if (soup.name == "none" || soup.name == "all unusable") continue;
         for (const uint32_t levels : {1u, 2u}) {
             const Structure structure = gridOver(soup.triangles, levels);
-            expectAsBrute(structure, soup.triangles, raysAtCells(structure, soup.triangles, 6, 2000),
+            expectAsBrute(structure, soup.triangles, raysAtCells(structure, soup.triangles, 6, test::affordable(2000)),
                           fmt::format("{}, {} levels", soup.name, levels));
         }
     }
@@ -176,7 +177,7 @@ TEST(Grid, FindsWhatBruteForceFindsFromFarAway) {
             Random random(7);
             for (const double distance : {1.0, 3.0, 6.0, 12.0, 25.0, 50.0, 100.0, 400.0, 1e3, 5e3, 1e4, 2e4, 1e5, 1e6}) {
                 std::vector<Ray> rays;
-                for (int i = 0; i < 150; ++i) {
+                for (size_t i = 0; i < test::affordable(150); ++i) {
                     const Triangle& t = soup.triangles[random.below(static_cast<uint32_t>(soup.triangles.size()))];
                     if (!t.usable()) continue;
                     dvec3 target = i % 3 == 0   ? dvec3(t.a)
@@ -222,7 +223,7 @@ void walkAsFarAsMaybe(const Structure& structure, const std::vector<Ray>& rays) 
 
 TEST(Grid, GoesOnWhereItWasStopped) {
     for (const test::Soup& soup : test::soups()) {
-        std::vector<Ray> rays = test::rays(soup.triangles, 31, 800);
+        std::vector<Ray> rays = test::rays(soup.triangles, 31, test::affordable(800));
         for (size_t i = 0; i < rays.size(); i += 5)
             rays[i].origin = vec3(dvec3(rays[i].origin) - 300.0 * dvec3(rays[i].direction));  // some from far off
         const Structure one = gridOver(soup.triangles, 1), two = gridOver(soup.triangles, 2);
@@ -243,7 +244,7 @@ TEST(Grid, StaysInTheArraysOfADamagedStructure) {
     const std::vector<Triangle> triangles = test::soups()[4].triangles;
     const std::vector<Ray> rays = test::rays(triangles, 32, 200);
     Random random(33);
-    for (int damage = 0; damage < 30; ++damage) {
+    for (size_t damage = 0; damage < test::affordable(30); ++damage) {
         Structure one = gridOver(triangles, 1), two = gridOver(triangles, 2);
         for (Structure* structure : {&one, &two})
             for (size_t i = 2; i < structure->nodes.size(); ++i)

@@ -5,6 +5,7 @@
 #include "rays/tracer.hpp"
 #include "scene/import.hpp"
 #include "structures/structure.hpp"
+#include "support/effort.hpp"
 #include "support/gltf_asset.hpp"
 #include "support/hard_cases.hpp"
 #include "support/mesh_files.hpp"

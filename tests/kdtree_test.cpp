@@ -6,6 +6,7 @@
 #include "rays/tracer.hpp"
 #include "structures/kdtree_tree.hpp"
 #include "support/cells.hpp"
+#include "support/effort.hpp"
 #include "support/random.hpp"
 
 #include <gtest/gtest.h>
@@ -110,7 +111,7 @@ TEST(KdTree, FindsWhatBruteForceFindsAtItsPlanes) {
         for (const char* builder : {"sah", "median"}) {
             const Structure structure = build(soup.triangles, {.build = builder});
             if (structure.header.nodeCount == 0) continue;
-            const std::vector<Ray> rays = test::raysAtPlanes(soup.triangles, planesOf(structure), /* seed= */ 3, 1600);
+            const std::vector<Ray> rays = test::raysAtPlanes(soup.triangles, planesOf(structure), /* seed= */ 3, test::affordable(1600));
             expectSame(trace(structure, rays), trace(structureType("brute").build(soup.triangles, {}), rays), rays,
                        soup.name + ' ' + builder);
         }
@@ -143,7 +144,7 @@ TEST(KdTree, RefersAtMostTwentyTimesToEachTriangle) {
             const Structure structure = build(soup.triangles, {.build = builder});
             EXPECT_EQ(kdtree::findFault(structure, soup.triangles), std::nullopt) << soup.name;
             EXPECT_LE(structure.statistics.references, 20 * soup.triangles.size()) << soup.name << ' ' << builder;
-            const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 5, 1000);
+            const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 5, test::affordable(1000));
             expectSame(trace(structure, rays), trace(structureType("brute").build(soup.triangles, {}), rays), rays,
                        soup.name);
         }

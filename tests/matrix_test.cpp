@@ -2,6 +2,7 @@
 // brute force has on the CPU.
 #include "rays/tracer.hpp"
 #include "support/devices.hpp"
+#include "support/effort.hpp"
 #include "support/soups.hpp"
 #include "support/variants.hpp"
 
@@ -59,7 +60,7 @@ class EverySoup : public testing::TestWithParam<Soup> {};
 
 // On the CPU: some 100,000 rays a structure, a million in a long run.
 TEST_P(EverySoup, IsHitAsByBruteForceWithEveryVariant) {
-    const Task task = taskOf(GetParam(), test::rays(GetParam().triangles, /* seed= */ 7, test::isLong() ? 60'000 : 2400));
+    const Task task = taskOf(GetParam(), test::rays(GetParam().triangles, /* seed= */ 7, test::isLong() ? 60'000 : test::affordable(2400)));
     for (const Variant& variant : test::allVariants()) {
         const Structure structure = variant.build(task.soup.triangles);
         expectAsBruteForce(task, variant, *makeCpuTracer(structure));
@@ -128,14 +129,14 @@ protected:
 // A short run has one scene of all soups for every variant, and for a few also scenes of other sizes, which are not in it. A
 // long run has all soups for every variant, and a million rays.
 TEST_P(EveryStructure, IsWalkedAsByBruteForce) {
-    const Task all = allInOne(test::isLong() ? 2000 : 250);
+    const Task all = allInOne(test::isLong() ? 2000 : test::affordable(250));
     for (const Variant& variant : variants_) check(all, variant);
     const std::vector<std::string> few = {"far", "tiny", "huge", "stadium"};
     const std::vector<Soup> soups = test::soups();
     const size_t million = 1'000'000 / (2 * soups.size() * variants_.size()) + 1;
     for (const Soup& soup : soups) {
         if (!test::isLong() && std::find(few.begin(), few.end(), soup.name) == few.end()) continue;
-        const Task task = taskOf(soup, test::rays(soup.triangles, /* seed= */ 9, test::isLong() ? million : 500));
+        const Task task = taskOf(soup, test::rays(soup.triangles, /* seed= */ 9, test::isLong() ? million : test::affordable(500)));
         for (size_t k = 0; k < variants_.size(); ++k)
             if (test::isLong() || k < few.size()) check(task, variants_[k]);
     }

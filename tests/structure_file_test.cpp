@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "rays/tracer.hpp"
+#include "support/effort.hpp"
 #include "support/soups.hpp"
 
 #include <gtest/gtest.h>
@@ -127,7 +128,7 @@ TEST_P(EveryStructureFile, WithSpheresIsRefusedOrGoodHoweverItWasForged) {
 
 void EveryStructureFile::expectRefusedOrGood(const std::vector<Primitive>& primitives) {
     const Structure built = GetParam().build(primitives);
-    const std::vector<Ray> rays = test::rays(primitives, /* seed= */ 4, /* count= */ 300);
+    const std::vector<Ray> rays = test::rays(primitives, /* seed= */ 4, test::affordable(300));
     const std::vector<Hit> want = hitsOf(built, rays);
     size_t refused = 0, accepted = 0;
     const auto tryOut = [&](const Structure& forged, const std::string& what) {

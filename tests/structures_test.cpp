@@ -1,6 +1,7 @@
 #include "base/error.hpp"
 #include "rays/tracer.hpp"
 #include "structures/structure.hpp"
+#include "support/effort.hpp"
 #include "support/soups.hpp"
 #include "support/variants.hpp"
 
@@ -67,7 +68,7 @@ void expectTheSameForAnyNumberOfThreads(const Variant& variant, uint32_t rings) 
 }
 
 TEST_P(EveryStructure, IsTheSameForAnyNumberOfThreads) {
-    expectTheSameForAnyNumberOfThreads(GetParam(), /* rings= */ 80);  // 25,600 triangles
+    expectTheSameForAnyNumberOfThreads(GetParam(), /* rings= */ test::slowdown > 1 ? 40 : 80);  // 25,600 triangles
 }
 
 // From 65,536 primitives on, binned SAH sorts them into bins in parallel, too.

@@ -8,6 +8,7 @@
 #include "rays/tracer.hpp"
 #include "structures/instance_record.hpp"
 #include "support/devices.hpp"
+#include "support/effort.hpp"
 #include "support/groves.hpp"
 #include "support/random.hpp"
 #include "support/soups.hpp"
@@ -99,7 +100,7 @@ size_t countKept(const Structure& structure) {
 TEST(TwoLevels, HaveTheHitsOfTheSceneWrittenOutToTheBit) {
     size_t instances = 0, rays = 0;
     for (const Grove& grove : test::groves()) {
-        const Case c(grove, test::isLong() ? 100'000 : 1'500);
+        const Case c(grove, test::isLong() ? 100'000 : test::affordable(1'500));
         for (const Variant& variant : variants()) {
             const Structure structure = c.build(variant.structure, variant.params);
             const std::string what = c.name + ' ' + variant.structure + ' ' + describeOptions(variant.params);
@@ -270,7 +271,7 @@ INSTANTIATE_TEST_SUITE_P(Devices, TwoLevelsOnDevice, testing::ValuesIn(devicesTo
 TEST_P(TwoLevelsOnDevice, HaveTheHitsOfTheSceneWrittenOutToTheBit) {
     Device device(info);
     for (const Grove& grove : test::groves()) {
-        const Case c(grove, test::isLong() ? 50'000 : 4'000);
+        const Case c(grove, test::isLong() ? 50'000 : test::affordable(4'000));
         if (c.triangles.empty()) continue;
         for (const Variant& variant : variants()) {
             const bool plain = describeOptions(variant.params).empty(), bvh = plain && variant.structure == "bvh";

@@ -7,6 +7,7 @@
 #include "scene/geometry.hpp"
 #include "scene/import.hpp"
 #include "support/devices.hpp"
+#include "support/effort.hpp"
 #include "support/random.hpp"
 #include "support/soups.hpp"
 #include "support/variants.hpp"
@@ -136,7 +137,7 @@ TEST_P(EveryDevice, WalksRealScenesAsTheCpuAndBruteForceDo) {
         const std::vector<Triangle> triangles = primitivesOf(flatten(importScene(scenes / file)));
         const Structure structure = structureType("bvh").build(triangles, {});
         EXPECT_EQ(structureType("bvh").findFault(structure, triangles), std::nullopt) << file;
-        const size_t count = test::isLong() ? 1'000'000 : 50'000;
+        const size_t count = test::isLong() ? 1'000'000 : test::affordable(50'000);
         const std::vector<Ray> rays = test::rays(triangles, /* seed= */ 21, count);
         const std::vector<Hit> want = trace(*makeCpuTracer(structure), rays);
         expectSame(trace(*makeDeviceTracer(*device_, structure), rays), want, rays, file);
@@ -187,7 +188,7 @@ TEST_P(EveryDevice, LetsNoRayLeakOutOfAClosedMesh) {
                             {dvec3(1e6), 2.0, 12},
                             {dvec3(0), 2e-13, 100},
                             {dvec3(0), 2e9, 100}};
-    const size_t total = test::isLong() ? 10'000'000 : 200'000;
+    const size_t total = test::isLong() ? 10'000'000 : test::affordable(200'000);
     for (const Place& place : places) {
         // Coarse enough that rounding the corners leaves every triangle an area: one without is left out, and joins nothing.
         const std::vector<Triangle> mesh = test::sphere(place.rings, place.radius, place.centre, 0.1);

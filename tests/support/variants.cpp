@@ -1,7 +1,8 @@
 #include "support/variants.hpp"
 
+#include "support/effort.hpp"
+
 #include <algorithm>
-#include <cstdlib>
 #include <ostream>
 #include <set>
 
@@ -84,10 +85,6 @@ std::vector<Variant> walkVariants() {
         if (seen.insert({variant.structure, variant.build(std::span(&one, 1)).header.walk}).second)
             result.push_back(variant);
     return result;
-}
-
-bool isLong() {
-    return std::getenv("RAIG_LONG") != nullptr;
 }
 
 }  // namespace raig::test

@@ -27,7 +27,4 @@ std::vector<Variant> allVariants();
 /// Of those, one for each layout that walks tell apart: the first.
 std::vector<Variant> walkVariants();
 
-/// True for `./run test --long`.
-bool isLong();
-
 }  // namespace raig::test
