@@ -23,7 +23,7 @@ const fs::path root = RAIG_SOURCE_DIR;
 
 /// Who may include whom; a folder may always include itself. "shaders" means the files right there, not its folders.
 const std::map<std::string, Names> allowedIncludes = {
-    {"host/base", {}},
+    {"host/base", {"shaders/shared"}},
     {"host/scene", {"host/base", "shaders/shared"}},
     {"host/structures", {"host/base", "shaders/shared"}},
     {"host/device", {"host/base", "shaders/shared"}},

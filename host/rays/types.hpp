@@ -1,16 +1,11 @@
 /// Rays and hits of shaders/shared/rays.glsl, as C++.
 #pragma once
 
-#include "base/vectors.hpp"
-
-#include <cstdint>
+#include "base/shared.hpp"
 
 namespace raig {
 
 namespace shared {
-using namespace glm;
-using uint = uint32_t;
-#include "shared/language.glsl"
 #include "shared/rays.glsl"
 }  // namespace shared
 

@@ -1,16 +1,11 @@
 /// How an instance puts its mesh into the world: shaders/shared/place.glsl, as C++.
 #pragma once
 
-#include "base/vectors.hpp"
-
-#include <cstdint>
+#include "base/shared.hpp"
 
 namespace raig {
 
 namespace shared {
-using namespace glm;
-using uint = uint32_t;
-#include "shared/language.glsl"
 #include "shared/place.glsl"
 }  // namespace shared
 

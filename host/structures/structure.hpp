@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/box.hpp"
+#include "base/shared.hpp"
 #include "base/triangle.hpp"
 #include "base/vectors.hpp"
 
@@ -17,9 +18,6 @@
 namespace raig {
 
 namespace shared {
-using namespace glm;
-using uint = uint32_t;
-#include "shared/language.glsl"
 #include "shared/structure.glsl"
 }  // namespace shared
 
