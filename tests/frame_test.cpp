@@ -257,7 +257,7 @@ TEST(CameraRays, OfAnOrthographicCameraAreParallelAndKeepTheAspect) {
     EXPECT_NEAR(rays[0].origin.y, 0.5f, 1e-6f);
 }
 
-/// A device with a scene on it: kernels are compiled once, as some devices take seconds for them.
+/// A device with a scene on it: kernels are compiled once, which takes some devices longer than all the rest.
 struct DeviceStage {
     DeviceStage(const DeviceInfo& info, const Stage& stage, const DeviceOptions& options = {})
         : device(info, options), tracer(makeDeviceTracer(device, stage.structure)),

@@ -111,7 +111,8 @@ TEST(KdTree, FindsWhatBruteForceFindsAtItsPlanes) {
         for (const char* builder : {"sah", "median"}) {
             const Structure structure = build(soup.triangles, {.build = builder});
             if (structure.header.nodeCount == 0) continue;
-            const std::vector<Ray> rays = test::raysAtPlanes(soup.triangles, planesOf(structure), /* seed= */ 3, test::affordable(1600));
+            const std::vector<Ray> rays =
+                test::raysAtPlanes(soup.triangles, planesOf(structure), /* seed= */ 3, test::affordable(1600));
             expectSame(trace(structure, rays), trace(structureType("brute").build(soup.triangles, {}), rays), rays,
                        soup.name + ' ' + builder);
         }

@@ -60,7 +60,8 @@ class EverySoup : public testing::TestWithParam<Soup> {};
 
 // On the CPU: some 100,000 rays a structure, a million in a long run.
 TEST_P(EverySoup, IsHitAsByBruteForceWithEveryVariant) {
-    const Task task = taskOf(GetParam(), test::rays(GetParam().triangles, /* seed= */ 7, test::isLong() ? 60'000 : test::affordable(2400)));
+    const size_t count = test::isLong() ? 60'000 : test::affordable(2400);
+    const Task task = taskOf(GetParam(), test::rays(GetParam().triangles, /* seed= */ 7, count));
     for (const Variant& variant : test::allVariants()) {
         const Structure structure = variant.build(task.soup.triangles);
         expectAsBruteForce(task, variant, *makeCpuTracer(structure));
@@ -134,9 +135,10 @@ TEST_P(EveryStructure, IsWalkedAsByBruteForce) {
     const std::vector<std::string> few = {"far", "tiny", "huge", "stadium"};
     const std::vector<Soup> soups = test::soups();
     const size_t million = 1'000'000 / (2 * soups.size() * variants_.size()) + 1;
+    const size_t count = test::isLong() ? million : test::affordable(500);
     for (const Soup& soup : soups) {
         if (!test::isLong() && std::find(few.begin(), few.end(), soup.name) == few.end()) continue;
-        const Task task = taskOf(soup, test::rays(soup.triangles, /* seed= */ 9, test::isLong() ? million : test::affordable(500)));
+        const Task task = taskOf(soup, test::rays(soup.triangles, /* seed= */ 9, count));
         for (size_t k = 0; k < variants_.size(); ++k)
             if (test::isLong() || k < few.size()) check(task, variants_[k]);
     }

@@ -2,11 +2,11 @@
 #include "measure/trials.hpp"
 #include "rays/primitives.hpp"
 #include "scene/import.hpp"
+#include "support/effort.hpp"
 #include "support/soups.hpp"
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 
 namespace raig {
@@ -144,7 +144,7 @@ TEST(Choice, CostsAtMostOneAndAHalfTimesTheCheapest) {
     for (const char* file : {"cornell_box.gltf", "cornell_spheres.gltf"})
         soups.push_back({file, primitivesOf(flatten(importScene(fs::path(RAIG_SOURCE_DIR) / "assets" / file)))});
     const fs::path scenes = fs::path(RAIG_SOURCE_DIR) / "../shared/scenes";
-    if (std::getenv("RAIG_LONG") != nullptr)
+    if (test::isLong())
         for (const char* file : {"meshes/bunny.ply", "stadium/house_and_bunny.glb", "rooms/fzk_haus.glb"})
             if (fs::exists(scenes / file)) soups.push_back({file, primitivesOf(flatten(importScene(scenes / file)))});
     for (const test::Soup& soup : soups) {

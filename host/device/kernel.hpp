@@ -33,7 +33,7 @@ KernelInterface reflect(std::string_view name, std::span<const uint32_t> spirv, 
 
 class Kernel {
 public:
-    /// `name` is for messages. `spirv` is needed during the call only. Cost: 40-110 ms on lavapipe when first seen, less
+    /// `name` is for messages. `spirv` is needed during the call only. Cost: up to 0.2 s on lavapipe when first seen, up to 0.08 s
     /// from the cache, and next to nothing where the device has made the same before. Refuses (RAIG_CHECK) a workgroup or
     /// push constants beyond the device's limits. Throws deviceError if the driver cannot compile it.
     Kernel(Device& device, std::string_view name, std::span<const uint32_t> spirv, const Constants& constants = {});

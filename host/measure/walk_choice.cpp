@@ -57,7 +57,7 @@ BuildParams paramsOf(size_t candidate) {
     }
 }
 
-/// Software takes longest to compile: there, only those are tried that could be the fastest on any that was seen.
+/// Software takes longest to compile and to walk: there, only those are tried that were the fastest on any that was seen.
 bool isTried(size_t candidate, const DeviceInfo& info) {
     return info.type != DeviceType::software || candidate == 0 || candidate == 2;
 }

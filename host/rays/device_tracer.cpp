@@ -21,6 +21,7 @@ constexpr uint32_t mostRaysAtOnce = 1u << 20;  // of trace(): 48 MiB of rays and
 // Loop iterations of a walk in one dispatch. What is not done after the first is taken up again; at most `mostSteps` stays
 // below the 65,535 after which Mesa 22.3's llvmpipe silently stops looping.
 constexpr uint32_t wholeSteps = 512;  // few walks are longer, and then a few long ones would keep many short ones waiting
+constexpr uint32_t pairedSteps = 768;  // of two rays: each step passes fewer nodes, and tests for one of them
 constexpr uint32_t firstSteps = 64;
 constexpr uint32_t instancedFactor = 16;  // both, through two levels: rounds are counted by their most
 constexpr uint32_t mostSteps = 16384;
@@ -59,8 +60,9 @@ uint64_t joined(const std::array<uint32_t, 2>& halves) {
 /// dispatches took. Most rays end early, so the next may take longer than the last: the most is what a CPU can loop in 2 s.
 class DispatchSize {
 public:
-    explicit DispatchSize(const DeviceInfo& device)
-        : DispatchSize(device.type == DeviceType::software, device.prefersTexel) {}
+    /// `paired`: loop iterations are of two rays, and count as two.
+    DispatchSize(const DeviceInfo& device, bool paired)
+        : DispatchSize(device.type == DeviceType::software, device.prefersTexel, paired) {}
 
     /// Rays for a dispatch of `steps`; whole workgroups.
     uint32_t rays(uint32_t steps) const {
@@ -75,8 +77,8 @@ public:
     }
 
 private:
-    DispatchSize(bool software, bool llvmpipe)
-        : target_(software ? 0.25 : 0.02), most_(llvmpipe ? 0x1p28 : software ? 0x1p24 : 0x1p31),
+    DispatchSize(bool software, bool llvmpipe, bool paired)
+        : target_(software ? 0.25 : 0.02), most_((llvmpipe ? 0x1p26 : software ? 0x1p24 : 0x1p31) * (paired ? 3.0 : 1.0)),
           work_(software ? 0x1p18 : 0x1p22) {}
 
     double target_;  // seconds
@@ -110,7 +112,7 @@ public:
           instanced_(structure.isInstanced()),
           paired_(device.loadsTexel() && !instanced_),
           spheres_(structure.hasSpheres()),
-          wholeSteps_(instanced_ ? wholeSteps * instancedFactor : wholeSteps),
+          wholeSteps_(instanced_ ? wholeSteps * instancedFactor : paired_ ? pairedSteps : wholeSteps),
           firstSteps_(instanced_ ? firstSteps * instancedFactor : firstSteps),
           header_(device, sizeof(StructureHeader)),
           nodes_(device, std::as_bytes(std::span(structure.nodes))),
@@ -241,7 +243,7 @@ private:
                 {11, /* PAIRED */ paired},
                 {12, /* HAS_SPHERES */ spheres_},
             };
-            sized.emplace(Kernel(device_, name_, *spirv, constants), DispatchSize(device_.info()),
+            sized.emplace(Kernel(device_, name_, *spirv, constants), DispatchSize(device_.info(), paired),
                           paired ? 2 * workgroupSize : workgroupSize);
         }
         return *sized;

@@ -15,7 +15,7 @@
 //           using a Roped BVH with CUDA"; slabs: Kay and Kajiya 1986, "Ray Tracing Complex Scenes".
 
 #define WALKS_IN_PAIRS
-#define HAS_WALK(walk) ((walk) < WALK_TRAIL)
+#define HAS_WALK(walk) ((walk) < WALK_TRAIL)  // for host/rays/cpu_walk.cpp.in
 
 CONSTANT uint LEAF = 0x80000000u;
 
@@ -209,7 +209,7 @@ Hit pick(bool first, Hit a, Hit b) {
     return Hit(pick(first, a.t, b.t), pick(first, a.u, b.u), pick(first, a.v, b.v), pick(first, a.primitive, b.primitive));
 }
 
-// Only what tests of primitives need.
+// Only what tests of primitives need; the rest is of b.
 WalkRay pick(bool first, WalkRay a, WalkRay b) {
     WalkRay ray = b;
     ray.origin = pick(first, a.origin, b.origin);
@@ -223,8 +223,8 @@ WalkRay pick(bool first, WalkRay a, WalkRay b) {
 }
 
 // Two walks from their beginnings, step by step in turn: a software device computes one while it waits for the other. A
-// primitive is tested for one of the two only. Seldom does either hold a leaf, and such devices test whether there is one or
-// not; where both do, the second waits.
+// primitive is tested for one of the two only: seldom does either hold a leaf, and such devices compute the test even where no
+// lane needs it. Where both do, the second waits.
 void walkPair(WalkRay rayA, WalkRay rayB, INOUT(uvec4) atA, INOUT(uvec4) atB, uint maxSteps, INOUT(Hit) bestA, INOUT(Hit) bestB) {
     NodeSpace spaceA = prepareNodes(rayA);
     NodeSpace spaceB = prepareNodes(rayB);

@@ -28,7 +28,7 @@
 // Source    Amanatides, Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing", without its sums; two levels: Kalojanov,
 //           Billeter, Slusallek 2011, "Two-Level Grids for Ray Tracing on GPUs".
 
-#define HAS_WALK(walk) ((walk) < 2u)
+#define HAS_WALK(walk) ((walk) < 2u)  // for host/rays/cpu_walk.cpp.in
 
 CONSTANT uint CROWDED = 0x80000000u;
 CONSTANT uint LAST = 0x80000000u;

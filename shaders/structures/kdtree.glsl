@@ -20,7 +20,7 @@
 //           a GPU Raytracer"; Horn et al. 2007, "Interactive k-D Tree GPU Raytracing" (short stack, push-down). Neighbour
 //           links [Popov et al. 2007] would need to follow several cells at once where the slack reaches into them.
 
-#define HAS_WALK(walk) ((walk) <= WALK_SHORT_STACK)
+#define HAS_WALK(walk) ((walk) <= WALK_SHORT_STACK)  // for host/rays/cpu_walk.cpp.in
 
 CONSTANT uint LEAF = 0x80000000u;
 CONSTANT uint EMPTY = 0xffffffffu;
@@ -50,25 +50,22 @@ struct Descent {
     uint end;        // of the nodes
 };
 
-// Both sides evaluated, and no branch: `?:` branches, and a driver may take minutes over so many.
-float either(bool first, float a, float b) { return mix(b, a, first); }
-uint either(bool first, uint a, uint b) { return mix(b, a, first); }
-float along(uint axis, vec3 v) { return either(axis == 0u, v.x, either(axis == 1u, v.y, v.z)); }
+float along(uint axis, vec3 v) { return pick(axis == 0u, v.x, pick(axis == 1u, v.y, v.z)); }
 
 uvec2 below(uvec2 level) { return uvec2(level.x >> 1, (level.y >> 1) | (level.x << 31)); }
 
 void take(bool does, Place from, INOUT(Place) to) {
-    to.node = either(does, from.node, to.node);
-    to.enter = either(does, from.enter, to.enter);
-    to.leave = either(does, from.leave, to.leave);
-    to.level.x = either(does, from.level.x, to.level.x);
-    to.level.y = either(does, from.level.y, to.level.y);
+    to.node = pick(does, from.node, to.node);
+    to.enter = pick(does, from.enter, to.enter);
+    to.leave = pick(does, from.leave, to.leave);
+    to.level.x = pick(does, from.level.x, to.level.x);
+    to.level.y = pick(does, from.level.y, to.level.y);
 }
 
 // Goes from an inner node to the half that comes first, or to the second where the trail says so.
 void stepDown(WalkRay ray, uvec2 trail, INOUT(Descent) s) {
     bool inner = s.here.node < LEAF;
-    uvec4 node = nodes_at(either(inner, s.here.node, 0u));
+    uvec4 node = nodes_at(pick(inner, s.here.node, 0u));
     COUNT_NODE(inner)
     float inverse = along(node.y, ray.inverse);
     float reach = along(node.y, ray.reach);
@@ -76,8 +73,8 @@ void stepDown(WalkRay ray, uvec2 trail, INOUT(Descent) s) {
     precise float from = t - reach;
     precise float to = t + reach;
     bool up = inverse >= 0.0f;
-    uint first = either(up, node.z, node.w);
-    uint second = either(up, node.w, node.z);
+    uint first = pick(up, node.z, node.w);
+    uint second = pick(up, node.w, node.z);
 
     // Whether the ray is in the first half does not depend on the best hit, and in the second it can only cease to be: so the
     // trail means the same however far the search has come.
@@ -91,24 +88,24 @@ void stepDown(WalkRay ray, uvec2 trail, INOUT(Descent) s) {
     bool goSecond = again || !inFirst;
     bool twice = inSecond && !goSecond;
     bool both = inner && twice;
-    uint next = either(goSecond, either(inSecond, second, EMPTY), first);
+    uint next = pick(goSecond, pick(inSecond, second, EMPTY), first);
     // What no link of a sound tree is: it leads backwards, or out (seen from the node, also what is before it is far away).
     bool isNode = next < LEAF;
     bool isUnsound = next - s.here.node - 1u >= s.end - s.here.node - 1u;
     bool isBroken = isNode && isUnsound;
-    next = either(isBroken, NOWHERE, next);
+    next = pick(isBroken, NOWHERE, next);
     float enter = maxOf(s.here.enter, from);
 
     if (WALK == WALK_SHORT_STACK) {
         take(both, s.last, s.before);
         take(both, Place(second, enter, s.here.leave, s.here.level), s.last);
-        s.stacked = either(both, min(s.stacked + 1u, 2u), s.stacked);
+        s.stacked = pick(both, min(s.stacked + 1u, 2u), s.stacked);
     }
-    s.due.x |= either(both, s.here.level.x, 0u);
-    s.due.y |= either(both, s.here.level.y, 0u);
-    s.earliest = either(both, minOf(s.earliest, enter), s.earliest);
-    float leave = either(goSecond, s.here.leave, minOf(s.here.leave, to));
-    take(inner, Place(next, either(goSecond, enter, s.here.enter), leave, below(s.here.level)), s.here);
+    s.due.x |= pick(both, s.here.level.x, 0u);
+    s.due.y |= pick(both, s.here.level.y, 0u);
+    s.earliest = pick(both, minOf(s.earliest, enter), s.earliest);
+    float leave = pick(goSecond, s.here.leave, minOf(s.here.leave, to));
+    take(inner, Place(next, pick(goSecond, enter, s.here.enter), leave, below(s.here.level)), s.here);
     bool nothingDue = (s.due.x | s.due.y) == 0u;
     bool isInner = s.here.node < LEAF;
     take(nothingDue && isInner, s.here, s.top);
@@ -142,12 +139,12 @@ bool stepBack(bool does, float tMax, INOUT(uvec4) at, INOUT(Descent) s) {
     bool isInTime = s.earliest <= tMax;
     bool left = isDue && isInTime;
     bool deep = s.due.y != 0u;
-    uint word = either(deep, s.due.y, s.due.x);
+    uint word = pick(deep, s.due.y, s.due.x);
     uint level = word & (~word + 1u);
-    uint taken = (either(deep, at.y, at.x) & ~(level - 1u)) | level;
-    at.x = either(does && !deep, taken, at.x);
-    at.y = either(does, either(deep, taken, 0u), at.y);
-    at.w = either(does, at.w + 1u, at.w);
+    uint taken = (pick(deep, at.y, at.x) & ~(level - 1u)) | level;
+    at.x = pick(does && !deep, taken, at.x);
+    at.y = pick(does, pick(deep, taken, 0u), at.y);
+    at.w = pick(does, at.w + 1u, at.w);
 
     Place next = s.top;
     bool stacked = false;
@@ -156,17 +153,17 @@ bool stepBack(bool does, float tMax, INOUT(uvec4) at, INOUT(Descent) s) {
         bool pops = does && stacked;
         take(stacked, Place(s.last.node, s.last.enter, s.last.leave, below(s.last.level)), next);
         take(pops, s.before, s.last);
-        s.stacked = either(pops, s.stacked - 1u, s.stacked);
+        s.stacked = pick(pops, s.stacked - 1u, s.stacked);
     }
     next.leave = minOf(next.leave, tMax);
     bool isIn = next.enter <= next.leave;
     bool isSoundToo = next.node < s.end || next.node >= LEAF;
-    next.node = either(isIn && isSoundToo, next.node, EMPTY);
+    next.node = pick(isIn && isSoundToo, next.node, EMPTY);
     take(does, next, s.here);
     bool keepsAbove = stacked && deep;
-    s.due.x = either(does, either(stacked, either(deep, s.due.x, s.due.x & ~level), 0u), s.due.x);
-    s.due.y = either(does, either(keepsAbove, s.due.y & ~level, 0u), s.due.y);
-    s.earliest = either(does && !stacked, INFINITE, s.earliest);
+    s.due.x = pick(does, pick(stacked, pick(deep, s.due.x, s.due.x & ~level), 0u), s.due.x);
+    s.due.y = pick(does, pick(keepsAbove, s.due.y & ~level, 0u), s.due.y);
+    s.earliest = pick(does && !stacked, INFINITE, s.earliest);
     return left;
 }
 
@@ -177,14 +174,14 @@ void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
     Descent s = beginning(ray, sizes.x);
     s.here = s.top;
     s.here.leave = minOf(s.top.leave, best.t);
-    s.here.node = either(s.here.enter <= s.here.leave, ROOT, EMPTY);
+    s.here.node = pick(s.here.enter <= s.here.leave, ROOT, EMPTY);
 
     // A walk that is taken up again: down to where it stood.
     for (uint i = 0u; at.z != 0u && s.here.node < LEAF && s.here.node != at.z && i < MAX_LEVELS; ++i)
         stepDown(ray, uvec2(at.x, at.y), s);
     bool isInList = at.z >= LEAF;
     bool isThere = s.here.node != EMPTY;
-    s.here.node = either(isInList && isThere, at.z, s.here.node);
+    s.here.node = pick(isInList && isThere, at.z, s.here.node);
 
     for (uint step = 0u; at.w != DONE && step < maxSteps; ++step) {
         uvec2 trail = uvec2(at.x, at.y);
@@ -196,20 +193,20 @@ void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
         if (inLeaf) {
             uint place = min(s.here.node - LEAF, sizes.y - 1u);
             uvec4 four = nodes_at(place >> 2);
-            uint even = either((place & 2u) == 0u, four.x, four.z);
-            uint odd = either((place & 2u) == 0u, four.y, four.w);
-            uint word = either((place & 1u) == 0u, even, odd);
+            uint even = pick((place & 2u) == 0u, four.x, four.z);
+            uint odd = pick((place & 2u) == 0u, four.y, four.w);
+            uint word = pick((place & 1u) == 0u, even, odd);
             bool hit = testTriangle(ray, min(word & ~LAST, header.triangleCount - 1u), best);
             bool isMarked = (word & LAST) != 0u;
             bool isEnd = place + 1u >= sizes.y;
-            s.here.node = either(isMarked || isEnd, EMPTY, LEAF + place + 1u);
+            s.here.node = pick(isMarked || isEnd, EMPTY, LEAF + place + 1u);
             if (ANY_HIT && hit) at.w = DONE;
         }
         bool isAtEnd = s.here.node == EMPTY;
         bool goesOn = at.w != DONE;
         bool back = isAtEnd && goesOn;
         bool left = stepBack(back, best.t, at, s);
-        at.w = either(back && !left, DONE, at.w);
+        at.w = pick(back && !left, DONE, at.w);
     }
     at.z = s.here.node;
 }

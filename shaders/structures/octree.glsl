@@ -47,18 +47,14 @@ struct Descent {
     uint end;        // of the records
 };
 
-// Both sides evaluated, and no branch: `?:` branches, and a driver may take minutes over so many.
-float either(bool first, float a, float b) { return mix(b, a, first); }
-uint either(bool first, uint a, uint b) { return mix(b, a, first); }
-
 vec3 maxima(vec3 a, vec3 b) { return vec3(maxOf(a.x, b.x), maxOf(a.y, b.y), maxOf(a.z, b.z)); }
 vec3 minima(vec3 a, vec3 b) { return vec3(minOf(a.x, b.x), minOf(a.y, b.y), minOf(a.z, b.z)); }
 
 // The octants of the mask, or of a path's bit, with the descending axes turned; and back.
 uint turnedOctants(uint mask, bvec3 down) {
-    uint m = either(down.x, ((mask & 0x55u) << 1) | ((mask >> 1) & 0x55u), mask);
-    m = either(down.y, ((m & 0x33u) << 2) | ((m >> 2) & 0x33u), m);
-    return either(down.z, ((m & 0x0fu) << 4) | (m >> 4), m);
+    uint m = pick(down.x, ((mask & 0x55u) << 1) | ((mask >> 1) & 0x55u), mask);
+    m = pick(down.y, ((m & 0x33u) << 2) | ((m >> 2) & 0x33u), m);
+    return pick(down.z, ((m & 0x0fu) << 4) | (m >> 4), m);
 }
 
 // When the ray crosses the planes at `steps`, turned.
@@ -83,21 +79,21 @@ uint partsMet(vec3 enter, vec3 middleEnter, vec3 middleLeave, vec3 leave) {
     float l1 = minOf(leave.x, middleLeave.y);
     float l2 = minOf(middleLeave.x, leave.y);
     float l3 = minOf(leave.x, leave.y);
-    uint met = either(maxOf(e0, enter.z) <= minOf(l0, middleLeave.z), 1u, 0u);
-    met |= either(maxOf(e1, enter.z) <= minOf(l1, middleLeave.z), 2u, 0u);
-    met |= either(maxOf(e2, enter.z) <= minOf(l2, middleLeave.z), 4u, 0u);
-    met |= either(maxOf(e3, enter.z) <= minOf(l3, middleLeave.z), 8u, 0u);
-    met |= either(maxOf(e0, middleEnter.z) <= minOf(l0, leave.z), 16u, 0u);
-    met |= either(maxOf(e1, middleEnter.z) <= minOf(l1, leave.z), 32u, 0u);
-    met |= either(maxOf(e2, middleEnter.z) <= minOf(l2, leave.z), 64u, 0u);
-    met |= either(maxOf(e3, middleEnter.z) <= minOf(l3, leave.z), 128u, 0u);
+    uint met = pick(maxOf(e0, enter.z) <= minOf(l0, middleLeave.z), 1u, 0u);
+    met |= pick(maxOf(e1, enter.z) <= minOf(l1, middleLeave.z), 2u, 0u);
+    met |= pick(maxOf(e2, enter.z) <= minOf(l2, middleLeave.z), 4u, 0u);
+    met |= pick(maxOf(e3, enter.z) <= minOf(l3, middleLeave.z), 8u, 0u);
+    met |= pick(maxOf(e0, middleEnter.z) <= minOf(l0, leave.z), 16u, 0u);
+    met |= pick(maxOf(e1, middleEnter.z) <= minOf(l1, leave.z), 32u, 0u);
+    met |= pick(maxOf(e2, middleEnter.z) <= minOf(l2, leave.z), 64u, 0u);
+    met |= pick(maxOf(e3, middleEnter.z) <= minOf(l3, leave.z), 128u, 0u);
     return met;
 }
 
 // Goes from an inner cell to the part that the path names, or to the first one met from there on where it is not chosen yet.
 void stepDown(WalkRay ray, INOUT(Descent) s) {
     bool reads = s.here.node < LEAF;
-    uvec4 record = nodes_at(either(reads, s.here.node, 0u));
+    uvec4 record = nodes_at(pick(reads, s.here.node, 0u));
     COUNT_NODE(reads)
     bool isInner = record.x < LEAF;
     bool inner = reads && isInner;
@@ -109,10 +105,10 @@ void stepDown(WalkRay ray, INOUT(Descent) s) {
     vec3 middleLeave = minima(s.here.leave, to);
     uint met = partsMet(s.here.enter, middleEnter, middleLeave, s.here.leave) & turnedOctants(record.y & 255u, s.down);
 
-    uint octant = either((s.path.x & middle) != 0u, 1u, 0u) | either((s.path.y & middle) != 0u, 2u, 0u) |
-                  either((s.path.z & middle) != 0u, 4u, 0u);
+    uint octant = pick((s.path.x & middle) != 0u, 1u, 0u) | pick((s.path.y & middle) != 0u, 2u, 0u) |
+                  pick((s.path.z & middle) != 0u, 4u, 0u);
     bool isChosen = middle > s.chosen;
-    uint wanted = met & (either(isChosen, 1u, 255u) << octant);
+    uint wanted = met & (pick(isChosen, 1u, 255u) << octant);
     uint part = wanted & (~wanted + 1u);
     uint rest = met & ~((part << 1) - 1u);
     bool found = part != 0u;
@@ -122,24 +118,24 @@ void stepDown(WalkRay ray, INOUT(Descent) s) {
     bvec3 upper = bvec3((part & 0xaau) != 0u, (part & 0xccu) != 0u, (part & 0xf0u) != 0u);
     uvec3 path = (s.path & ~middle) | mix(uvec3(0u), uvec3(middle), upper);
     s.path = mix(s.path, path, bvec3(goes));
-    s.chosen = either(goes && !isChosen, middle >> 1, s.chosen);
+    s.chosen = pick(goes && !isChosen, middle >> 1, s.chosen);
 
     // What is due lies in the upper half along an axis along which this part does not.
     vec3 due = mix(from, vec3(INFINITE), upper);
-    s.earliest = either(leavesRest, minOf(s.earliest, minOf(due.x, minOf(due.y, due.z))), s.earliest);
-    s.due |= either(leavesRest, middle, 0u);
-    s.before = either(leavesRest, s.last, s.before);
-    s.last = either(leavesRest, s.here.node, s.last);
-    s.stacked = either(leavesRest, min(s.stacked + 1u, 2u), s.stacked);
+    s.earliest = pick(leavesRest, minOf(s.earliest, minOf(due.x, minOf(due.y, due.z))), s.earliest);
+    s.due |= pick(leavesRest, middle, 0u);
+    s.before = pick(leavesRest, s.last, s.before);
+    s.last = pick(leavesRest, s.here.node, s.last);
+    s.stacked = pick(leavesRest, min(s.stacked + 1u, 2u), s.stacked);
 
     uint next = record.x + uint(bitCount(record.y & 255u & (turnedOctants(part, s.down) - 1u)));
     bool isInside = next < s.end;
     bool isDeep = middle <= 2u;  // no cell of a sound tree is
-    uint node = either(isInner, either(found && isInside && !isDeep, next, EMPTY), record.x);
-    s.here.node = either(reads, node, s.here.node);
+    uint node = pick(isInner, pick(found && isInside && !isDeep, next, EMPTY), record.x);
+    s.here.node = pick(reads, node, s.here.node);
     s.here.enter = mix(s.here.enter, mix(s.here.enter, middleEnter, upper), bvec3(goes));
     s.here.leave = mix(s.here.leave, mix(middleLeave, s.here.leave, upper), bvec3(goes));
-    s.here.width = either(goes, middle, s.here.width);
+    s.here.width = pick(goes, middle, s.here.width);
 }
 
 // Puts the walk into record `node`, of a cell that is `width` wide on the path.
@@ -151,8 +147,8 @@ void enterCell(WalkRay ray, bool does, uint node, uint width, float tMax, INOUT(
     vec3 leave = minima(s.leave, to);
     leave.x = minOf(leave.x, tMax);
     bool isMet = maxOf(maxOf(enter.x, enter.y), enter.z) <= minOf(minOf(leave.x, leave.y), leave.z);
-    s.here.node = either(does, either(isMet, node, EMPTY), s.here.node);
-    s.here.width = either(does, width, s.here.width);
+    s.here.node = pick(does, pick(isMet, node, EMPTY), s.here.node);
+    s.here.width = pick(does, width, s.here.width);
     s.here.enter = mix(s.here.enter, enter, bvec3(does));
     s.here.leave = mix(s.here.leave, leave, bvec3(does));
 }
@@ -167,14 +163,14 @@ bool stepBack(WalkRay ray, bool does, float tMax, INOUT(Descent) s) {
     uint carryY = path.y & carryX;
     path = uvec3(path.x ^ middle, path.y ^ carryX, path.z ^ carryY);
     s.path = mix(s.path, path, bvec3(does));
-    s.chosen = either(does, middle, s.chosen);
+    s.chosen = pick(does, middle, s.chosen);
     bool stacked = s.stacked > 0u;
     bool restarts = does && !stacked;
-    enterCell(ray, does, either(stacked, s.last, ROOT), either(stacked, middle << 1, SIDE), tMax, s);
-    s.due = either(does, either(stacked, s.due & ~middle, 0u), s.due);
-    s.earliest = either(restarts, INFINITE, s.earliest);
-    s.last = either(does, s.before, s.last);
-    s.stacked = either(does && stacked, s.stacked - 1u, s.stacked);
+    enterCell(ray, does, pick(stacked, s.last, ROOT), pick(stacked, middle << 1, SIDE), tMax, s);
+    s.due = pick(does, pick(stacked, s.due & ~middle, 0u), s.due);
+    s.earliest = pick(restarts, INFINITE, s.earliest);
+    s.last = pick(does, s.before, s.last);
+    s.stacked = pick(does && stacked, s.stacked - 1u, s.stacked);
     return isDue && isInTime;
 }
 
@@ -190,7 +186,7 @@ void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
     s.leave = minima(leave, vec3(ray.tMax));
     uint marker = at.x & (~at.x + 1u);
     s.path = uvec3(at.x ^ marker, at.y, at.z) >> 1u;
-    s.chosen = either(at.x == 0u, SIDE >> 1, marker);
+    s.chosen = pick(at.x == 0u, SIDE >> 1, marker);
     s.due = 0u;
     s.earliest = INFINITE;
     s.last = ROOT;
@@ -207,7 +203,7 @@ void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
     for (uint i = 0u; s.here.node < LEAF && (s.here.width >> 1) > s.chosen && i < MAX_LEVELS; ++i) stepDown(ray, s);
     bool isThere = s.here.node != EMPTY;
     bool isInList = at.w != 0u;
-    s.here.node = either(isThere && isInList, LEAF | at.w, s.here.node);
+    s.here.node = pick(isThere && isInList, LEAF | at.w, s.here.node);
 
     for (uint step = 0u; at.w != DONE && step < maxSteps; ++step) {
         stepDown(ray, s);
@@ -216,27 +212,27 @@ void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
         if (inLeaf) {
             uint place = min(s.here.node - LEAF, sizes.y - 1u);
             uvec4 four = nodes_at(place >> 2);
-            uint even = either((place & 2u) == 0u, four.x, four.z);
-            uint odd = either((place & 2u) == 0u, four.y, four.w);
-            uint word = either((place & 1u) == 0u, even, odd);
+            uint even = pick((place & 2u) == 0u, four.x, four.z);
+            uint odd = pick((place & 2u) == 0u, four.y, four.w);
+            uint word = pick((place & 1u) == 0u, even, odd);
             bool hit = testTriangle(ray, min(word & ~LAST, header.triangleCount - 1u), best);
             bool isMarked = (word & LAST) != 0u;
             bool isEnd = place + 1u >= sizes.y;
-            s.here.node = either(isMarked || isEnd, EMPTY, LEAF + place + 1u);
+            s.here.node = pick(isMarked || isEnd, EMPTY, LEAF + place + 1u);
             if (ANY_HIT && hit) at.w = DONE;
         }
         bool isAtEnd = s.here.node == EMPTY;
         bool goesOn = at.w != DONE;
         bool back = isAtEnd && goesOn;
         bool left = stepBack(ray, back, best.t, s);
-        at.w = either(back && !left, DONE, at.w);
+        at.w = pick(back && !left, DONE, at.w);
     }
     bool stands = at.w != DONE;
     bool isListed = s.here.node - LEAF < EMPTY - LEAF;
     at.x = (s.path.x << 1) | s.chosen;
     at.y = s.path.y << 1;
     at.z = s.path.z << 1;
-    at.w = either(stands, either(isListed, s.here.node - LEAF, 0u), at.w);
+    at.w = pick(stands, pick(isListed, s.here.node - LEAF, 0u), at.w);
 }
 
 // Each record is left once for each of its octants at most, 20 levels down by two each time, and one step a word of the
