@@ -17,7 +17,7 @@ struct WalkRay {
     vec3 inverse;   // 1 / direction, where components below 2^-27 of the largest count as that (never infinite)
     float tMax;
     vec3 reach;     // |inverse| times SLACK
-    float tolerance;  // 16 u M, by which the arithmetic of a triangle test may misplace a triangle along y
+    float tolerance;  // SLACK / 4
     vec2 shear;     // direction.(x,y) / direction.z, in the axes below
     float inverseZ;
     uint axisZ;     // the axis of the largest direction component; x and y follow it cyclically
@@ -107,8 +107,10 @@ void completeRay(INOUT(WalkRay) r, float largest, float slackUnit) {
 //
 // SLACK is 64 u M, M the largest distance along an axis from the ray's origin to the scene's bounds. The shear of a triangle's
 // corners misplaces them against the ray by 11 u M along each axis (three roundings a corner of magnitudes up to 2 M, three of
-// the slope), the place in the triangle by 22 u M and the tolerance more, the distance by 4 u M, and a slab takes 6 u M (three
-// roundings). So boxes are widened by it: a ray that meets a triangle, as rounded, meets its box, as rounded, where it does.
+// the slope), the place in the triangle by 18 u M and what is let pass by 17 u M more, the distance by 4 u M: 53 u M is what
+// walks count on. (All with the distance m of the triangle itself in place of M, which is not less: differences round alike.)
+// A slab takes 6 u M (three roundings). So boxes are widened by it: a ray that meets a triangle, as rounded, meets its box, as
+// rounded, where it does.
 // And so with spheres, whose hits lie within 53 u M of their surfaces (sphere.glsl).
 WalkRay prepareRay(Ray ray, vec3 lo, vec3 hi, float unit) {
     WalkRay r;
@@ -166,12 +168,16 @@ bool hitsPlanes(WalkRay ray, vec3 near, vec3 far, float tMax) {
 // Ensures   Watertight: the edge functions of two triangles that share an edge are exact negatives of each other, and a sign is
 //           right or the value is zero, which counts as inside. So a ray meets at least one of the triangles around any
 //           edge or vertex. A ray in the triangle's plane does not meet it.
-//           The point at distance t lies within SLACK of the triangle itself along each axis, however edge-on it is seen:
-//           barycentric coordinates out of the edge functions would be noise there. So a walk finds the triangle in any
-//           box, cell or half-space, widened by the slack, that holds the part of it where it is hit.
+//           The point at distance t lies within 53 u m of the triangle itself along each axis, m <= M the largest distance
+//           along an axis from the ray's origin to its corners, however edge-on it is seen: barycentric coordinates out of
+//           the edge functions would be noise there. So a walk finds the triangle in any box, cell or half-space, widened by
+//           the slack, that holds the part of it where it is hit.
 // How       With the ray as the origin and z along it, the line x = 0 cuts two edges that meet in a corner p, at (y1, z1) and
 //           (y2, z2); the hit lies between the two, at y = 0. Each quotient is of differences of like sign, so it is right to
-//           three roundings, and what they misplace is 22 u M at most.
+//           two roundings, and its product to four: 4 u |dy|, dy the extent of the edge along y. Where the edge functions'
+//           signs are those of exact arithmetic, y = 0 lies between y1 and y2 but for that: this much, and no more, is let
+//           pass (and what products below the range of normal floats may lose). As |dy| <= 4 m it is 16.25 u m, and what
+//           roundings misplace y1 or y2 by is 18 u m.
 // Source    Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", for the edge functions, without its fallback to
 //           double precision.
 bool intersectTriangle(WalkRay ray, vec3 a, vec3 b, vec3 c, uint id, bool obstacle, INOUT(Hit) best) {
@@ -210,15 +216,18 @@ bool intersectTriangle(WalkRay ray, vec3 a, vec3 b, vec3 c, uint id, bool obstac
     vec3 r = pick(pIsC, B, pick(pIsB, A, C));
     precise float toQ = p.x / (p.x - q.x);
     precise float toR = p.x / (p.x - r.x);
-    precise float y1 = p.y + toQ * (q.y - p.y);
-    precise float y2 = p.y + toR * (r.y - p.y);
+    precise float dyQ = q.y - p.y;
+    precise float dyR = r.y - p.y;
+    precise float y1 = p.y + toQ * dyQ;
+    precise float y2 = p.y + toR * dyR;
     precise float z1 = p.z + toQ * (q.z - p.z);
     precise float z2 = p.z + toR * (r.z - p.z);
     precise float apart = y1 - y2;
     precise float across = y1 / (apart == 0.0f ? 1.0f : apart);
     across = apart == 0.0f || across < 0.0f ? 0.0f : across;
     across = across > 1.0f ? 1.0f : across;
-    bool spans = (y1 <= ray.tolerance || y2 <= ray.tolerance) && (y1 >= -ray.tolerance || y2 >= -ray.tolerance);
+    precise float tolerance = maxOf(abs(dyQ), abs(dyR)) * 2.421438694000244e-7f + SMALLEST_NORMAL;  // 4.0625 u
+    bool spans = (y1 <= tolerance || y2 <= tolerance) && (y1 >= -tolerance || y2 >= -tolerance);
     bool inside = (positive || negative) && abs(area) >= SMALLEST_NORMAL && cut && spans;
 
     precise float z = z1 + across * (z2 - z1);
