@@ -15,8 +15,9 @@ constexpr uint64_t mostTriangles = 1u << 27;
 constexpr double defaultDensity = 4.0;      // cells a triangle, one level
 constexpr double defaultTopDensity = 0.25;  // cells a triangle, the upper of two levels
 constexpr double partDensity = 4.0;         // parts a triangle of a crowded cell
+constexpr double nestedDensity = 12.0;      // and of a crowded part: there most of the triangles are, so it pays
 constexpr uint32_t defaultLevels = 2;
-constexpr size_t crowd = 8;  // triangles from which on a cell is divided
+constexpr size_t crowd = 8, crowdInPart = 12;  // triangles in a cell, or in a part, beyond which it is divided
 // References a triangle: of the one level, of the upper of two, and of both together.
 constexpr uint64_t mostReferences = 20, mostInCells = 4;
 
@@ -72,61 +73,91 @@ Members membersOf(std::span<const Primitive> triangles) {
     return members;
 }
 
-/// A crowded cell's parts.
+/// A crowded cell's parts, or a crowded part's.
 struct Parts {
-    uint32_t cell = 0;
-    uint32_t wanted = 0;  // log2 of how many along the longest axis
+    size_t cell = 0;      // which of the cells, or parts, around it
+    uint32_t more = 0;    // log2 of how many along the longest axis
+    Lattice lattice;
     Lists lists;
+    std::vector<Parts> nested;
 };
 
-/// Words of a crowded cell's parts, in whole blocks of eight.
+/// Words of a block, in whole blocks of eight.
 uint64_t partWords(const Parts& parts) {
     return (firstCell + parts.lists.begins.size() - 1 + 7) / 8 * 8;
 }
 
-/// The parts of a cell with these members; none where dividing would make too many references for what it helps.
-Parts divide(const Members& members, const Shape& shape, uint32_t cell, std::span<const uint32_t> list, uint64_t most) {
-    const uvec3 count = shape.cells.count;
-    const uvec3 place(cell % count.x, cell / count.x % count.y, cell / count.x / count.y);
-    const double edge = std::cbrt(partDensity * static_cast<double>(list.size()));
-    Parts parts{cell, static_cast<uint32_t>(std::clamp(std::round(std::log2(edge)), 1.0, double(fineLog))), {}};
-    for (; parts.wanted > 0; --parts.wanted) {
-        const Lattice lattice = shape.parts(place, parts.wanted);
-        if (lattice.cells() == 1) break;
-        if (auto lists = listParts(lattice, members.triangles, list, most)) {
-            parts.lists = std::move(*lists);
-            return parts;
-        }
+double areaOf(const dvec3& size) { return size.x * size.y + size.y * size.z + size.z * size.x; }
+
+/// What rays that meet the cell that is divided are expected to do in its parts: one for each that is visited, and for each
+/// triangle tested.
+double costOf(const Lattice& parts, size_t references) {
+    const dvec3 whole = parts.step * dvec3(parts.count);
+    return areaOf(parts.step) / areaOf(whole) * static_cast<double>(parts.cells() + references);
+}
+
+std::vector<Parts> divideAll(const Members& members, const Shape& shape, const Parts& around, const Place& place,
+                             uint64_t most);
+
+/// The parts of a cell with these members, in at most `most` references; none where it would help too little.
+Parts divide(const Members& members, const Shape& shape, size_t cell, const Place& place, std::span<const uint32_t> list,
+             uint64_t most) {
+    const double edge = std::cbrt((place.wanted > 0 ? nestedDensity : partDensity) * static_cast<double>(list.size()));
+    Parts parts{cell, static_cast<uint32_t>(std::clamp(std::round(std::log2(edge)), 1.0, double(blockLog))), {}, {}, {}};
+    for (; parts.more > 0; --parts.more) {
+        parts.lattice = shape.parts(place, parts.more);
+        if (parts.lattice.cells() == 1) continue;
+        auto lists = listParts(parts.lattice, members.triangles, list, most);
+        if (!lists) continue;
+        // A cell is divided for the sake of rays in it, a part if rays through all of it gain.
+        if (place.wanted > 0 && costOf(parts.lattice, lists->references.size()) > 0.75 * double(list.size())) break;
+        parts.lists = std::move(*lists);
+        if (shape.nested) parts.nested = divideAll(members, shape, parts, place, most - parts.lists.references.size());
+        return parts;
     }
-    parts.wanted = 0;
+    parts.more = 0;
     return parts;
 }
 
-/// Divides all crowded cells, as long as they are within `budget` bytes.
-std::vector<Parts> divideCrowded(const Members& members, const Shape& shape, const Lists& lists, uint64_t budget) {
-    // Each cell has its share, by its references, of those that are left.
-    const uint64_t own = lists.references.size(), all = mostReferences * members.ids.size();
-    const double share = own < all ? static_cast<double>(all - own) / static_cast<double>(own) : 0.0;
-    std::vector<uint32_t> crowded;
+/// Divides the cells that are crowded, each in its share of `most` references, by its own.
+template <class PlaceOf>
+std::vector<Parts> divideCrowded(const Members& members, const Shape& shape, const Lists& lists, size_t limit, uint64_t most,
+                                 const PlaceOf& placeOf) {
+    std::vector<size_t> crowded;
+    uint64_t held = 0;
     for (size_t cell = 0; cell + 1 < lists.begins.size(); ++cell)
-        if (lists.begins[cell + 1] - lists.begins[cell] > crowd) crowded.push_back(static_cast<uint32_t>(cell));
+        if (lists.of(cell).size() > limit) {
+            crowded.push_back(cell);
+            held += lists.of(cell).size();
+        }
+    const double share = static_cast<double>(most) / static_cast<double>(std::max<uint64_t>(held, 1));
     std::vector<Parts> divided(crowded.size());
     parallelFor(crowded.size(), 4, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
             const std::span<const uint32_t> list = lists.of(crowded[i]);
-            const auto most = static_cast<uint64_t>(share * static_cast<double>(list.size()));
-            divided[i] = divide(members, shape, crowded[i], list, most);
+            divided[i] = divide(members, shape, crowded[i], placeOf(crowded[i]), list,
+                                static_cast<uint64_t>(share * static_cast<double>(list.size())));
         }
     });
-    uint64_t bytes = 0;
+    std::erase_if(divided, [](const Parts& parts) { return parts.more == 0; });
+    return divided;
+}
+
+std::vector<Parts> divideAll(const Members& members, const Shape& shape, const Parts& around, const Place& place,
+                             uint64_t most) {
+    return divideCrowded(members, shape, around.lists, crowdInPart, most,
+                         [&](size_t part) { return shape.part(place, around.more, part); });
+}
+
+/// Leaves out what does not fit into `budget` bytes.
+void keepWithin(std::vector<Parts>& divided, uint64_t& budget) {
     std::erase_if(divided, [&](const Parts& parts) {
-        if (parts.wanted == 0) return true;
         const uint64_t own = (partWords(parts) + parts.lists.references.size()) * sizeof(uint32_t);
-        if (bytes + own > budget) return true;
-        bytes += own;
+        if (own > budget) return true;
+        budget -= own;
         return false;
     });
-    return divided;
+    for (Parts& parts : divided) keepWithin(parts.nested, budget);
 }
 
 struct Grid {
@@ -141,14 +172,14 @@ uint64_t bytesOf(const Lattice& cells, uint64_t references, size_t triangles) {
            triangles * shared::TRIANGLE_STRIDE * sizeof(uvec4);
 }
 
-Grid makeGrid(const Members& members, const BuildParams& params, uint32_t levels) {
+Grid makeGrid(const Members& members, const BuildParams& params, uint32_t walk) {
     const double given = params.gridDensity;
     const auto count = static_cast<double>(members.triangles.size());
-    const double density = given > 0.0 ? given : levels == 1 ? defaultDensity : defaultTopDensity;
+    const double density = given > 0.0 ? given : walk == 0 ? defaultDensity : defaultTopDensity;
     const uint64_t most =
-        given > 0.0 ? uint64_t{1} << 31 : (levels == 1 ? mostReferences : mostInCells) * members.ids.size();
+        given > 0.0 ? uint64_t{1} << 31 : (walk == 0 ? mostReferences : mostInCells) * members.ids.size();
     for (double wanted = std::max(1.0, density * count);; wanted = std::max(1.0, wanted / 2.0)) {
-        Grid grid{shapeOf(members.bounds, wanted, levels == 2), {}, {}};
+        Grid grid{shapeOf(members.bounds, wanted, walk), {}, {}};
         const bool least = wanted == 1.0 || grid.shape.cells.cells() == 1;
         const uint64_t fixed = bytesOf(grid.shape.cells, 0, members.ids.size());
         if (!least && fixed > params.memoryBudget) continue;
@@ -157,10 +188,33 @@ Grid makeGrid(const Members& members, const BuildParams& params, uint32_t levels
         if (!lists) continue;
         grid.lists = std::move(*lists);
         const uint64_t bytes = bytesOf(grid.shape.cells, grid.lists.references.size(), members.ids.size());
-        if (levels == 2 && bytes < params.memoryBudget)
-            grid.parts = divideCrowded(members, grid.shape, grid.lists, params.memoryBudget - bytes);
+        if (walk != 0 && bytes < params.memoryBudget) {
+            const uint64_t own = grid.lists.references.size(), all = mostReferences * members.ids.size();
+            grid.parts = divideCrowded(members, grid.shape, grid.lists, crowd, own < all ? all - own : 0,
+                                       [&](size_t cell) { return grid.shape.cell(cell); });
+            uint64_t left = params.memoryBudget - bytes;
+            keepWithin(grid.parts, left);
+        }
         return grid;
     }
+}
+
+/// True if a part holds so many triangles still that it should have parts.
+bool isCrowded(const Parts& parts) {
+    for (size_t part = 0; part + 1 < parts.lists.begins.size(); ++part)
+        if (parts.lists.of(part).size() > 2 * crowdInPart) return true;
+    return false;
+}
+
+/// Makes a grid of two levels, or, where those are not enough and it helps, a nested one.
+Grid makeDividedGrid(const Members& members, const BuildParams& params, uint32_t& walk) {
+    Grid grid = makeGrid(members, params, walk);
+    if (!params.nestsGrids && std::none_of(grid.parts.begin(), grid.parts.end(), isCrowded)) return grid;
+    Grid nested = makeGrid(members, params, nestedWalk);
+    if (!params.nestsGrids && std::all_of(nested.parts.begin(), nested.parts.end(), [](const Parts& parts) { return parts.nested.empty(); }))
+        return grid;
+    walk = nestedWalk;
+    return nested;
 }
 
 /// Writes the words of nodes[].
@@ -169,13 +223,9 @@ public:
     Writer(const Grid& grid, Structure& structure) : grid_(grid), structure_(structure) {
         const Lattice& cells = grid.shape.cells;
         uint64_t words = firstCell + (cells.cells() + 7) / 8 * 8;
-        for (const Parts& parts : grid.parts) {
-            partPlaces_.push_back(words);
-            words += partWords(parts);
-        }
-        listWord_ = words;
         references_ = grid.lists.references.size();
-        for (const Parts& parts : grid.parts) references_ += parts.lists.references.size();
+        addBlocks(grid.parts, 0, words);
+        listWord_ = words;
         if ((listWord_ >> 3) >= 1u << 28 || references_ >= 1u << 31)
             throw limitError("grid: {} words of cells and {} of references are too many; lower --memory-budget", listWord_,
                              references_);
@@ -186,17 +236,34 @@ public:
         writeParameters();
         writeLists(grid_.lists, firstCell, 0);
         uint64_t reference = grid_.lists.references.size();
-        for (size_t i = 0; i < grid_.parts.size(); ++i) {
-            const Parts& parts = grid_.parts[i];
-            uint32_t& cell = word(firstCell + parts.cell);
-            word(partPlaces_[i]) = cell;
-            cell = crowdedBit | parts.wanted << 28 | static_cast<uint32_t>(partPlaces_[i] / 8);
-            writeLists(parts.lists, partPlaces_[i] + firstCell, reference);
+        for (const Block& block : blocks_) {
+            const Parts& parts = *block.parts;
+            uint32_t& cell = word(block.around + firstCell + parts.cell);
+            word(block.place) = cell;
+            if (grid_.shape.nested) word(block.place + 1) = std::bit_cast<uint32_t>(grid_.shape.reachOf(parts.lattice));
+            cell = crowdedBit | parts.more << 28 | static_cast<uint32_t>(block.place / 8);
+            writeLists(parts.lists, block.place + firstCell, reference);
             reference += parts.lists.references.size();
         }
     }
 
 private:
+    struct Block {
+        const Parts* parts;
+        uint64_t place, around;  // its first word, and that of the block it is in; 0: the grid
+    };
+
+    /// Blocks come after those they are in.
+    void addBlocks(const std::vector<Parts>& divided, uint64_t around, uint64_t& words) {
+        for (const Parts& parts : divided) {
+            const uint64_t place = words;
+            blocks_.push_back({&parts, place, around});
+            words += partWords(parts);
+            references_ += parts.lists.references.size();
+            addBlocks(parts.nested, place, words);
+        }
+    }
+
     uint32_t& word(uint64_t index) { return structure_.nodes[index / 4][static_cast<int>(index % 4)]; }
 
     void writeParameters() {
@@ -222,38 +289,33 @@ private:
 
     const Grid& grid_;
     Structure& structure_;
-    std::vector<uint64_t> partPlaces_;
+    std::vector<Block> blocks_;
     uint64_t listWord_ = 0, references_ = 0;
 };
 
 /// The area of all cells' surfaces, each with what its visit costs, over that of the grid.
-void addCosts(const Lattice& lattice, const Lists& lists, double& cost, StructureStatistics& statistics) {
-    const dvec3 s = lattice.step;
-    const double area = s.x * s.y + s.y * s.z + s.z * s.x;
+void addCosts(const Lattice& lattice, const Lists& lists, const std::vector<Parts>& divided, uint32_t depth, double& cost,
+              StructureStatistics& statistics) {
+    const double area = areaOf(lattice.step);
     const size_t cells = lists.begins.size() - 1;
     statistics.nodes += cells;
     statistics.references += lists.references.size();
+    statistics.depth = std::max(statistics.depth, depth);
     for (size_t i = 0; i < cells; ++i) statistics.leaves += lists.begins[i + 1] > lists.begins[i];
     cost += area * static_cast<double>(cells + lists.references.size());
+    for (const Parts& parts : divided) {
+        addCosts(parts.lattice, parts.lists, parts.nested, depth + 1, cost, statistics);
+        // Its own list is for rays from far off only.
+        cost -= area * static_cast<double>(lists.of(parts.cell).size());
+    }
 }
 
 void measure(const Grid& grid, Structure& structure) {
-    StructureStatistics& statistics = structure.statistics;
     const Lattice& cells = grid.shape.cells;
     double cost = 0.0;
-    addCosts(cells, grid.lists, cost, statistics);
-    const dvec3 s = cells.step;
-    for (const Parts& parts : grid.parts) {
-        const uvec3 count = cells.count;
-        const uvec3 place(parts.cell % count.x, parts.cell / count.x % count.y, parts.cell / count.x / count.y);
-        addCosts(grid.shape.parts(place, parts.wanted), parts.lists, cost, statistics);
-        // Its own list is for rays from far off only.
-        cost -= (s.x * s.y + s.y * s.z + s.z * s.x) * static_cast<double>(grid.lists.of(parts.cell).size());
-    }
-    const dvec3 whole = dvec3(cells.count) * s;
-    statistics.sahCost = cost / (whole.x * whole.y + whole.y * whole.z + whole.z * whole.x);
-    statistics.depth = grid.parts.empty() ? 1 : 2;
-    structure.header.nodeCount = static_cast<uint32_t>(statistics.nodes);
+    addCosts(cells, grid.lists, grid.parts, 1, cost, structure.statistics);
+    structure.statistics.sahCost = cost / areaOf(dvec3(cells.count) * cells.step);
+    structure.header.nodeCount = static_cast<uint32_t>(structure.statistics.nodes);
 }
 
 }  // namespace
@@ -272,7 +334,8 @@ Structure build(std::span<const Primitive> triangles, const BuildParams& params)
     structure.header.walk = levels - 1;
     const Members members = membersOf(triangles);
     if (!members.ids.empty()) {
-        const Grid grid = makeGrid(members, params, levels);
+        const Grid grid = levels == 1 ? makeGrid(members, params, 0) : makeDividedGrid(members, params, structure.header.walk);
+        if (grid.shape.nested) structure.walk = "two levels, nested";
         structure.header.unit = members.unit;
         structure.header.lo = members.bounds.lo;
         structure.header.hi = members.bounds.hi;

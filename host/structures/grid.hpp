@@ -3,12 +3,16 @@
 /// The scene's bounds are cut into about `--grid-density` cells a triangle, roughly cubic, at most 1023 along an axis. Every
 /// cell lists the triangles and spheres that overlap it (PrimitiveBoxTest), grown by a margin: so much may rounding misplace
 /// a hit for rays that start not too far away, and those from farther are walked in another way, slower
-/// (shaders/structures/grid.glsl, where the layout of nodes[] is described, too). At two levels cells are larger, and those
-/// with many triangles are divided once more, by a power of two along each axis: for scenes with small things in a large
-/// place.
+/// (shaders/structures/grid.glsl, where the layout of nodes[] is described, too).
 ///
-/// All planes are float numbers without rounding: gridOrigin and gridStep are multiples of a power of two q of which no
-/// coordinate is more than 2^23. So builder and walk mean the same planes.
+/// At two levels cells are larger, and those with many triangles are divided once more, by a power of two along each axis; and
+/// so again are parts that hold very many still, as where there are small things in a large place: two uniform divisions alone
+/// do not get from a stadium to the triangles of a teapot. What is in a part is grown by a margin that is fit for rays that
+/// start within a certain reach of it, others test the cell's list: so the margin is in proportion to the part, not to the
+/// scene.
+///
+/// All planes are float numbers without rounding: gridOrigin and gridStep over 2^k, the finest division, are multiples of a
+/// power of two q of which no plane's coordinate is more than 2^24. So builder and walk mean the same planes.
 ///
 /// Triangles lie in memory once each, in Morton order of their centres; lists hold their numbers.
 ///
@@ -28,8 +32,8 @@ Structure build(std::span<const Primitive> triangles, const BuildParams& params)
 
 /// Names the first broken invariant, or nothing if all hold: each usable triangle is there once, the corners as given;
 /// planes are exact and increase, and the grid holds the scene with a margin around it; every list is in order, without
-/// repetition, inside the lists, and ends; crowded cells' parts lie apart and inside; every cell and part lists each
-/// triangle that clipping says comes near it, and none that stays away from it along an axis.
+/// repetition, inside the lists, and ends; crowded cells' parts lie apart and inside, and their reach is theirs; every cell
+/// and part lists each triangle that clipping says comes near it, and none that stays away from it along an axis.
 std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles);
 
 }  // namespace raig::grid

@@ -12,9 +12,9 @@ namespace {
 
 using Fault = std::optional<std::string>;
 
-/// The rays that the near walk takes may be misplaced by 67/80 of the margin: triangles that come nearer to a cell must be
-/// in its list. Farther than the margin, and something for rounding, they must not.
-constexpr double leastMargin = 67.0 / 80.0, mostMargin = 1.0 + 0x1p-20;
+/// The rays that the near walk takes may be misplaced by 67/80 of the margin, and in parts by 57/64 of theirs: triangles that
+/// come nearer to a cell must be in its list. Farther than the margin, and something for rounding, they must not.
+constexpr double leastMargin = 67.0 / 80.0, leastPartMargin = 57.0 / 64.0, mostMargin = 1.0 + 0x1p-20;
 
 uint32_t wordAt(const Structure& structure, uint64_t index) {
     return structure.nodes[index / 4][static_cast<int>(index % 4)];
@@ -46,15 +46,15 @@ Fault findPlaneFault(const Structure& structure, const Shape& shape) {
         const uint32_t count = cells.count[axis], finest = header.walk == 0 ? 0 : shape.finest[axis];
         if (count < 1 || count > mostCells) return fmt::format("{} cells along axis {}", count, axis);
         if (finest > fineLog) return fmt::format("cells may have 2^{} parts along axis {}", finest, axis);
-        const float step = std::ldexp(header.gridStep[axis], -static_cast<int>(finest));
-        if (finest > 0 && step < 4.0 * cells.margin)
-            return fmt::format("parts are too thin for the margin along axis {}", axis);
-        for (uint32_t k = 0; k <= count << finest; ++k) {
-            const float plane = header.gridOrigin[axis] + static_cast<float>(k) * step;
-            if (plane != cells.origin[axis] + double(k) * double(step))
-                return fmt::format("plane {} of axis {} is rounded", k, axis);
-        }
-        if (!(step > 0.0f)) return fmt::format("planes of axis {} do not increase", axis);
+        const double origin = cells.origin[axis], step = std::ldexp(cells.step[axis], -static_cast<int>(finest));
+        const double end = origin + cells.step[axis] * count;
+        const double most = std::max({std::abs(origin), std::abs(end), end - origin});
+        const double granule = std::exp2(std::ceil(std::log2(std::max(most, 0x1p-120))) - 24);
+        if (std::fmod(origin, granule) != 0.0 || std::fmod(step, granule) != 0.0)
+            return fmt::format("planes of axis {} are rounded", axis);
+        if (!(step > 0.0)) return fmt::format("planes of axis {} do not increase", axis);
+        if (count > 1 && std::ldexp(cells.step[axis], shape.nested ? 0 : -static_cast<int>(finest)) < cells.margin)
+            return fmt::format("cells are too thin for the margin along axis {}", axis);
         if (cells.origin[axis] > header.lo[axis] - cells.margin ||
             cells.plane(cells.count)[axis] < header.hi[axis] + cells.margin)
             return fmt::format("the scene or its margin sticks out of the grid along axis {}", axis);
@@ -65,8 +65,8 @@ Fault findPlaneFault(const Structure& structure, const Shape& shape) {
 /// Checks the cells of a lattice, the first of which is word `first`, against the triangles that may come near them.
 class LatticeChecker {
 public:
-    LatticeChecker(const Structure& structure, const Lattice& lattice, uint64_t first)
-        : structure_(structure), lattice_(lattice), first_(first) {}
+    LatticeChecker(const Structure& structure, const Lattice& lattice, uint64_t first, double leastMargin)
+        : structure_(structure), lattice_(lattice), first_(first), leastMargin_(leastMargin) {}
 
     /// `members`: numbers of triangles; all those that come near any of the cells.
     Fault findFault(std::span<const uint32_t> members) const {
@@ -104,16 +104,17 @@ private:
         if ((word & crowdedBit) != 0 && (word & 0x0fffffffu) * uint64_t{8} + firstCell >= listsBegin())
             return at(cell, "its parts lie beyond the cells");
         const uint32_t begin = listWord(cell), words = structure_.nodes[1].y;
-        const dvec3 lo = lattice_.plane(placeOf(cell)) - lattice_.margin * mostMargin;
-        const dvec3 hi = lattice_.plane(placeOf(cell) + 1u) + lattice_.margin * mostMargin;
+        const dvec3 from = lattice_.plane(placeOf(cell)), to = lattice_.plane(placeOf(cell) + 1u);
         uint32_t previous = 0;
         for (uint64_t i = begin; i > 0; ++i) {
             if (i > words) return at(cell, "its list does not end");
             const uint32_t reference = wordAt(structure_, listsBegin() + i - 1), number = reference & ~lastBit;
             if (number >= structure_.header.triangleCount) return at(cell, "it lists a triangle that is not there");
             if (i > begin && number <= previous) return at(cell, "its list is not in order");
-            const Box box = referencedPrimitive(structure_, number).box();
-            if (glm::any(glm::lessThan(dvec3(box.hi), lo)) || glm::any(glm::lessThan(hi, dvec3(box.lo))))
+            const Primitive triangle = referencedPrimitive(structure_, number);
+            const Box box = triangle.box();
+            const double margin = lattice_.marginOf(triangle) * mostMargin;
+            if (glm::any(glm::lessThan(dvec3(box.hi), from - margin)) || glm::any(glm::lessThan(to + margin, dvec3(box.lo))))
                 return at(cell, fmt::format("it lists triangle {}, which is not there", number));
             previous = number;
             if ((reference & lastBit) != 0) break;
@@ -129,7 +130,7 @@ private:
     Fault findMissing(uint32_t member) const {
         const Primitive triangle = referencedPrimitive(structure_, member);
         const Box box = triangle.box();
-        const double margin = leastMargin * lattice_.margin;
+        const double margin = leastMargin_ * lattice_.marginOf(triangle);
         const dvec3 most = dvec3(lattice_.count) - 1.0;
         const uvec3 from(glm::clamp(glm::floor((dvec3(box.lo) - margin - lattice_.origin) / lattice_.step), dvec3(0), most));
         const uvec3 to(glm::clamp(glm::floor((dvec3(box.hi) + margin - lattice_.origin) / lattice_.step), dvec3(0), most));
@@ -158,34 +159,57 @@ private:
     const Structure& structure_;
     const Lattice& lattice_;
     uint64_t first_;
+    double leastMargin_;
 };
 
-/// Crowded cells' parts follow each other without overlapping, and hold what their cell does.
-Fault findPartFault(const Structure& structure, const Shape& shape, const LatticeChecker& cells) {
-    const uvec3 n = shape.cells.count;
-    std::vector<std::pair<uint64_t, uint64_t>> taken;  // words
-    for (size_t cell = 0; cell < shape.cells.cells(); ++cell) {
-        const uint32_t word = wordAt(structure, firstCell + cell);
-        if ((word & crowdedBit) == 0) continue;
-        const uint32_t wanted = word >> 28 & 7;
-        if (structure.header.walk == 0 || wanted == 0 || wanted > fineLog)
-            return fmt::format("cell {} is divided as it may not be", cell);
-        const Lattice parts = shape.parts(uvec3(cell % n.x, cell / n.x % n.y, cell / n.x / n.y), wanted);
-        const uint64_t begin = (word & 0x0fffffffu) * uint64_t{8}, end = begin + firstCell + parts.cells();
-        if (begin < firstCell + shape.cells.cells() || end > uint64_t{structure.nodes[1].x} * 4)
-            return fmt::format("cell {}: its parts lie outside", cell);
-        taken.emplace_back(begin, end);
-        const LatticeChecker checker(structure, parts, begin + firstCell);
-        for (size_t part = 0; part < parts.cells(); ++part)
-            if ((wordAt(structure, begin + firstCell + part) & crowdedBit) != 0)
-                return fmt::format("cell {}: part {} is divided again", cell, part);
-        if (Fault fault = checker.findFault(cells.list(cell))) return fault;
+/// Checks that crowded cells' parts lie apart, and hold what their cell does.
+class PartChecker {
+public:
+    PartChecker(const Structure& structure, const Shape& shape) : structure_(structure), shape_(shape) {}
+
+    Fault findFault(const LatticeChecker& cells) {
+        for (size_t cell = 0; cell < shape_.cells.cells(); ++cell)
+            if (Fault fault = findCellFault(wordAt(structure_, firstCell + cell), shape_.cell(cell), cells, cell)) return fault;
+        std::sort(taken_.begin(), taken_.end());
+        for (size_t i = 1; i < taken_.size(); ++i)
+            if (taken_[i].first < taken_[i - 1].second) return "the parts of two cells overlap";
+        return std::nullopt;
     }
-    std::sort(taken.begin(), taken.end());
-    for (size_t i = 1; i < taken.size(); ++i)
-        if (taken[i].first < taken[i - 1].second) return "the parts of two cells overlap";
-    return std::nullopt;
-}
+
+private:
+    /// Of cell `index` of `cells`, which has the word: nothing if it is not crowded.
+    Fault findCellFault(uint32_t word, const Place& place, const LatticeChecker& cells, size_t index) {
+        if ((word & crowdedBit) == 0) return std::nullopt;
+        const uint32_t more = word >> 28 & 7;
+        const auto at = [&](std::string_view what) {
+            return fmt::format("cell {} {} {}, level {}: {}", place.first.x, place.first.y, place.first.z, place.wanted, what);
+        };
+        if (structure_.header.walk == 0 || more == 0 || more > blockLog) return at("it is divided as it may not be");
+        const Lattice parts = shape_.parts(place, more);
+        const uint64_t begin = (word & 0x0fffffffu) * uint64_t{8}, end = begin + firstCell + parts.cells();
+        if (begin < firstCell + shape_.cells.cells() || end > uint64_t{structure_.nodes[1].x} * 4 || parts.cells() == 1)
+            return at("its parts lie outside");
+        taken_.emplace_back(begin, end);
+        takenWords_ += end - begin;
+        if (takenWords_ > structure_.nodes.size() * 4) return "the parts of two cells overlap";
+        if (shape_.nested && wordAt(structure_, begin + 1) != std::bit_cast<uint32_t>(shape_.reachOf(parts))) return at("its reach is not its own");
+        const LatticeChecker checker(structure_, parts, begin + firstCell, shape_.nested ? leastPartMargin : leastMargin);
+        if (Fault fault = checker.findFault(cells.list(index))) return fault;
+        for (size_t part = 0; part < parts.cells(); ++part) {
+            if (!shape_.nested && (wordAt(structure_, begin + firstCell + part) & crowdedBit) != 0)
+                return at("a part is divided again");
+            if (Fault fault = findCellFault(wordAt(structure_, begin + firstCell + part), shape_.part(place, more, part),
+                                            checker, part))
+                return fault;
+        }
+        return std::nullopt;
+    }
+
+    const Structure& structure_;
+    const Shape& shape_;
+    std::vector<std::pair<uint64_t, uint64_t>> taken_;  // words
+    uint64_t takenWords_ = 0;
+};
 
 }  // namespace
 
@@ -196,7 +220,7 @@ std::optional<std::string> findFault(const Structure& structure, std::span<const
     if (auto fault = findListFault(structure, triangles)) return fault;
     if (header.triangleCount == 0) return structure.nodes.empty() ? Fault() : "nodes without triangles";
     if (Fault fault = findBoundsFault(structure)) return fault;
-    if (structure.nodes.size() < 4 || header.walk > 1) return "there is no grid";
+    if (structure.nodes.size() < 4 || header.walk > nestedWalk) return "there is no grid";
     const Shape shape = shapeOf(structure);
     if (Fault fault = findPlaneFault(structure, shape)) return fault;
     const uint64_t cellsEnd = firstCell + shape.cells.cells(), listsBegin = uint64_t{structure.nodes[1].x} * 4;
@@ -204,9 +228,9 @@ std::optional<std::string> findFault(const Structure& structure, std::span<const
         return "cells, lists and the array of nodes differ in size";
     std::vector<uint32_t> all(header.triangleCount);
     for (uint32_t i = 0; i < header.triangleCount; ++i) all[i] = i;
-    const LatticeChecker cells(structure, shape.cells, firstCell);
+    const LatticeChecker cells(structure, shape.cells, firstCell, leastMargin);
     if (Fault fault = cells.findFault(all)) return fault;
-    return findPartFault(structure, shape, cells);
+    return PartChecker(structure, shape).findFault(cells);
 }
 
 }  // namespace raig::grid

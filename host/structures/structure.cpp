@@ -76,6 +76,7 @@ bool Structure::hasSpheres() const {
 
 std::string_view Structure::walkFile() const {
     static constexpr std::string_view trails[] = {"bvh_trail2", "bvh_trail4", "bvh_trail8"};
+    if (name == "grid" && header.walk == shared::WALK_NESTED_GRID) return "grid_nested";
     return name == "bvh" && header.walk >= shared::WALK_TRAIL ? trails[(header.walk - shared::WALK_TRAIL) % 3]
                                                               : std::string_view(name);
 }

@@ -63,6 +63,7 @@ struct BuildParams {
     uint32_t maxTreeDepth = 0;  ///< levels of a tree (MAX_DEPTH); 0: the structure's default
     float gridDensity = 0.0f;   ///< cells a triangle; 0: the structure's default
     uint32_t levels = 0;        ///< of a grid, 1 or 2; 0: the structure's default
+    bool nestsGrids = false;    ///< no option: a grid of two levels is nested even where that does not help
     uint64_t memoryBudget = uint64_t{4} << 30;  ///< most bytes of a built structure: builders stop subdividing before it
 };
 

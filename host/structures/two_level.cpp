@@ -269,9 +269,13 @@ Structure buildTwoLevels(const PlacedScene& scene, const StructureType& type, co
     if (all.empty()) return type.build({}, params);
     if (all.size() == 1 && all.front().mesh == Bottom::writtenOut) return std::move(all.front().structure);
     if (!sameWalk(all)) {
-        // One kernel walks them all. What they differ in is the precision that suits each: so all get the higher.
+        // One kernel walks them all. What they differ in is the precision that suits each, or if grids are nested: so all get
+        // the higher, or are.
         BuildParams same = params;
-        same.precision = 32;
+        if (type.name == "grid")
+            same.nestsGrids = true;
+        else
+            same.precision = 32;
         all.clear();
         all = buildBottoms(scene, kept, out, type, same);
         if (!sameWalk(all)) throw limitError("not all meshes can have the same walk within --memory-budget: raise it");

@@ -43,6 +43,9 @@ const uint BVH_END_NODES = 7u;
 const uint WALK_RESTART = 0u;      // no stack
 const uint WALK_SHORT_STACK = 1u;  // one of two entries
 
+// The walk of grid where parts have parts. Others are the number of levels less one.
+const uint WALK_NESTED_GRID = 2u;
+
 // Two levels: meshes that stand in several places have one structure each, a bottom, in their own space. All bottoms are of
 // one kind and walk. The header is the whole scene's: its nodeCount that of one copy of the top tree, its triangleCount that
 // of all references. The array of nodes begins with, one after the other:

@@ -46,6 +46,7 @@ void addSpacePartitions(std::vector<Variant>& variants) {
         variants.push_back({"grid", {.levels = levels}});
         for (const float density : {0.05f, 30.0f}) variants.push_back({"grid", {.gridDensity = density, .levels = levels}});
     }
+    variants.push_back({"grid", {.gridDensity = 0.001f, .levels = 2, .nestsGrids = true}});
 }
 
 }  // namespace
@@ -59,6 +60,7 @@ std::string nameOf(const Variant& variant) {
     if (p.arity > 0) name += "_arity" + std::to_string(p.arity);
     if (p.maxTreeDepth > 0) name += "_depth" + std::to_string(p.maxTreeDepth);
     if (p.precision > 0) name += "_" + std::to_string(p.precision) + "bit";
+    if (p.nestsGrids) name += "_nested";
     if (p.levels > 0) name += "_levels" + std::to_string(p.levels);
     if (p.gridDensity > 0.0f) name += p.gridDensity < 1.0f ? "_sparse" : "_dense";
     if (p.maxLeaf > 0) name += "_leaf" + std::to_string(p.maxLeaf);
