@@ -39,6 +39,7 @@ Structure build(std::span<const Primitive> triangles, const BuildParams& params)
 }
 
 std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles) {
+    if (structure.header.walk != 0) return "there is no such walk";
     uint64_t next = 0;
     for (uint32_t id = 0; id < triangles.size(); ++id) {
         if (!triangles[id].usable()) continue;

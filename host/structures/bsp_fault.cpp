@@ -180,6 +180,7 @@ std::optional<std::string> findReferenceFault(const Structure& structure, std::s
 
 std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles) {
     const StructureHeader& header = structure.header;
+    if (header.walk != 0) return "there is no such walk";
     if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
         return "triangle count and array differ";
     if (structure.nodes.size() != header.nodeCount) return "node count and array differ";

@@ -215,12 +215,13 @@ private:
 
 std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles) {
     const StructureHeader& header = structure.header;
+    if (header.walk > nestedWalk) return "there is no such walk";
     if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
         return "triangle count and array differ";
     if (auto fault = findListFault(structure, triangles)) return fault;
     if (header.triangleCount == 0) return structure.nodes.empty() ? Fault() : "nodes without triangles";
     if (Fault fault = findBoundsFault(structure)) return fault;
-    if (structure.nodes.size() < 4 || header.walk > nestedWalk) return "there is no grid";
+    if (structure.nodes.size() < 4) return "there is no grid";
     const Shape shape = shapeOf(structure);
     if (Fault fault = findPlaneFault(structure, shape)) return fault;
     const uint64_t cellsEnd = firstCell + shape.cells.cells(), listsBegin = uint64_t{structure.nodes[1].x} * 4;

@@ -138,6 +138,7 @@ private:
 
 std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles) {
     const StructureHeader& header = structure.header;
+    if (header.walk > shared::WALK_SHORT_STACK) return "there is no such walk";
     if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
         return "triangle count and array differ";
     if (auto fault = findListFault(structure, triangles)) return fault;

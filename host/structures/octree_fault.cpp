@@ -167,6 +167,7 @@ Fault findGridFault(const StructureHeader& header) {
 
 std::optional<std::string> findFault(const Structure& structure, std::span<const Primitive> triangles) {
     const StructureHeader& header = structure.header;
+    if (header.walk != 0) return "there is no such walk";
     if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
         return "triangle count and array differ";
     if (auto fault = findListFault(structure, triangles)) return fault;
