@@ -21,7 +21,7 @@ constexpr uint32_t mostRaysAtOnce = 1u << 20;  // of trace(): 48 MiB of rays and
 // Loop iterations of a walk in one dispatch. What is not done after the first is taken up again; at most `mostSteps` stays
 // below the 65,535 after which Mesa 22.3's llvmpipe silently stops looping.
 constexpr uint32_t wholeSteps = 512;  // few walks are longer, and then a few long ones would keep many short ones waiting
-constexpr uint32_t pairedSteps = 768;  // of two rays: each step passes fewer nodes, and tests for one of them
+constexpr uint32_t pairedSteps = 384;  // of two rays, four nodes a step: no ray of the real scenes tried needs more
 constexpr uint32_t firstSteps = 64;
 constexpr uint32_t instancedFactor = 16;  // both, through two levels: rounds are counted by their most
 constexpr uint32_t mostSteps = 16384;
