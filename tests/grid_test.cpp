@@ -30,14 +30,18 @@ using namespace glm;
 using namespace shared;
 #define COUNT_NODE(did)
 #define COUNT_TRIANGLE(did)
-template <uint WALK, bool ANY_HIT, bool SKIP_SEE_THROUGH>
-struct Walk {
+struct Arrays {
     static constexpr bool HAS_SPHERES = true;
-    explicit Walk(const Structure& structure) : header(structure.header), structure_(structure) {}
+    explicit Arrays(const Structure& structure) : header(structure.header), structure_(structure) {}
     uvec4 nodes_at(uint i) const { return structure_.nodes.at(i); }
     uvec4 triangles_at(uint i) const { return structure_.triangles.at(i); }
     const StructureHeader& header;
     const Structure& structure_;
+};
+
+template <uint WALK, bool ANY_HIT, bool SKIP_SEE_THROUGH>
+struct Walk : Arrays {
+    using Arrays::Arrays;
 #include "intersect.glsl"
 #include "structures/grid.glsl"
 #include "trace.glsl"
@@ -47,14 +51,9 @@ struct Walk {
 
 /// The same of nested grids.
 template <bool ANY_HIT, bool SKIP_SEE_THROUGH>
-struct Walk<2u, ANY_HIT, SKIP_SEE_THROUGH> {
+struct Walk<2u, ANY_HIT, SKIP_SEE_THROUGH> : Arrays {
     static constexpr uint WALK = 2u;
-    static constexpr bool HAS_SPHERES = true;
-    explicit Walk(const Structure& structure) : header(structure.header), structure_(structure) {}
-    uvec4 nodes_at(uint i) const { return structure_.nodes.at(i); }
-    uvec4 triangles_at(uint i) const { return structure_.triangles.at(i); }
-    const StructureHeader& header;
-    const Structure& structure_;
+    using Arrays::Arrays;
 #include "intersect.glsl"
 #include "structures/grid_nested.glsl"
 #include "trace.glsl"

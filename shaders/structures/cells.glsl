@@ -42,6 +42,27 @@ vec3 planeDistances(WalkRay ray, GridRay grid, uvec3 fine) {
     return distance;
 }
 
+// Of `count` divisions from plane `first` on, 2^sizeLogs finest planes long: the one before `number` where the ray, at distance
+// t, has not come as far, along each axis. The first one that it meets stays.
+uvec3 stepBack(WalkRay ray, GridRay grid, uvec3 first, uvec3 sizeLogs, uvec3 count, uvec3 number, float t) {
+    vec3 enter = planeDistances(ray, grid, first + ((number + uvec3(1u) - grid.ahead) << sizeLogs));
+    uvec3 back = uvec3(grid.ahead.x == 1u ? max(number.x, 1u) - 1u : min(number.x + 1u, count.x - 1u),
+                       grid.ahead.y == 1u ? max(number.y, 1u) - 1u : min(number.y + 1u, count.y - 1u),
+                       grid.ahead.z == 1u ? max(number.z, 1u) - 1u : min(number.z + 1u, count.z - 1u));
+    return uvec3(enter.x > t ? back.x : number.x, enter.y > t ? back.y : number.y, enter.z > t ? back.z : number.z);
+}
+
+// From a division's lower planes to those of its neighbour behind the nearest of the three planes ahead, which is at distance t.
+uvec3 stepAhead(WalkRay ray, GridRay grid, uvec3 first, uvec3 sizeLogs, INOUT(float) t) {
+    vec3 leave = planeDistances(ray, grid, first + (grid.ahead << sizeLogs));
+    bool alongX = leave.x <= leave.y && leave.x <= leave.z;
+    bool alongY = !alongX && leave.y <= leave.z;
+    t = alongX ? leave.x : (alongY ? leave.y : leave.z);
+    uvec3 move = uvec3(alongX ? 1u : 0u, alongY ? 1u : 0u, alongX || alongY ? 0u : 1u);
+    // Backwards it wraps around, and out of the grid, too.
+    return first + ((move * (grid.ahead * 2u - uvec3(1u))) << sizeLogs);
+}
+
 float leastOf(vec3 v) { return v.x <= v.y && v.x <= v.z ? v.x : (v.y <= v.z ? v.y : v.z); }
 
 float mostOf(vec3 v) { return v.x >= v.y && v.x >= v.z ? v.x : (v.y >= v.z ? v.y : v.z); }

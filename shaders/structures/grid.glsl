@@ -60,13 +60,7 @@ uvec3 divisionAt(WalkRay ray, GridRay grid, uvec3 first, uvec3 sizeLogs, uvec3 c
     fine = vec3(fine.x > 0.0f ? fine.x : 0.0f, fine.y > 0.0f ? fine.y : 0.0f, fine.z > 0.0f ? fine.z : 0.0f);
     fine = vec3(fine.x < last.x ? fine.x : last.x, fine.y < last.y ? fine.y : last.y, fine.z < last.z ? fine.z : last.z);
     uvec3 number = uvec3(uint(int(fine.x)), uint(int(fine.y)), uint(int(fine.z))) >> sizeLogs;
-    vec3 enter = planeDistances(ray, grid, first + ((number + uvec3(1u) - grid.ahead) << sizeLogs));
-    // One back, unless it is the first one the ray meets.
-    uvec3 back = uvec3(grid.ahead.x == 1u ? max(number.x, 1u) - 1u : min(number.x + 1u, count.x - 1u),
-                       grid.ahead.y == 1u ? max(number.y, 1u) - 1u : min(number.y + 1u, count.y - 1u),
-                       grid.ahead.z == 1u ? max(number.z, 1u) - 1u : min(number.z + 1u, count.z - 1u));
-    number = uvec3(enter.x > t ? back.x : number.x, enter.y > t ? back.y : number.y, enter.z > t ? back.z : number.z);
-    return first + (number << sizeLogs);
+    return first + (stepBack(ray, grid, first, sizeLogs, count, number, t) << sizeLogs);
 }
 
 // log2 of the finest planes that a part of a crowded cell spans, an axis.
@@ -92,13 +86,9 @@ uint placeOf(GridRay grid, Division d) {
 // Goes on to the next division, if the present one has been seen, and looks up what is in it. Requires d.list == 0 and not
 // d.done.
 void stepDivision(WalkRay ray, GridRay grid, float tMax, INOUT(Division) d) {
-    vec3 leave = planeDistances(ray, grid, d.first + (grid.ahead << d.sizeLogs));
-    bool alongX = leave.x <= leave.y && leave.x <= leave.z;
-    bool alongY = !alongX && leave.y <= leave.z;
-    float t = alongX ? leave.x : (alongY ? leave.y : leave.z);
-    uvec3 move = uvec3(alongX ? 1u : 0u, alongY ? 1u : 0u, alongX || alongY ? 0u : 1u);
-    move = (move * (grid.ahead * 2u - uvec3(1u))) << d.sizeLogs;  // backwards it wraps around, and out of the grid, too
-    uvec3 next = d.seen ? d.first + move : d.first;
+    float t = 0.0f;
+    uvec3 ahead = stepAhead(ray, grid, d.first, d.sizeLogs, t);
+    uvec3 next = d.seen ? ahead : d.first;
     uvec3 cell = next >> fineLog();
     uvec3 present = d.first >> fineLog();
     bool outside = cell.x >= grid.cells.x || cell.y >= grid.cells.y || cell.z >= grid.cells.z;
