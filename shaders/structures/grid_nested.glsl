@@ -81,7 +81,7 @@ uvec3 sizeLogsOf(GridRay grid, uint wanted) {
 uint placeOf(GridRay grid, Division d, uvec3 first) {
     uvec3 cell = first >> FINE_LOG;
     uvec3 part = (first - d.blockFirst) >> d.sizeLogs;
-    uvec3 counts = d.blockLogs - d.sizeLogs;
+    uvec3 counts = (d.blockLogs - d.sizeLogs) & uvec3(31u);  // defined outside of blocks, too, where it is not used
     uint inBlock = part.x + ((part.y + (part.z << counts.y)) << counts.x);
     uint inGrid = cell.x + grid.cells.x * (cell.y + grid.cells.y * cell.z);
     uint place = FIRST_CELL + (d.block != 0u ? (d.block & 0x0fffffffu) * 8u + inBlock : inGrid);
