@@ -14,60 +14,21 @@ namespace {
 
 using namespace test;
 
-Material metal(const vec3& color, float roughness = 0.0f) {
-    Material m;
-    m.baseColor = color;
-    m.metallic = 1.0f;
-    m.roughness = roughness;
-    return m;
-}
-
-Material glass(float ior, const vec3& color = vec3(1.0f)) {
-    Material m;
-    m.baseColor = color;
-    m.roughness = 0.0f;
-    m.transmission = 1.0f;
-    m.ior = ior;
-    m.thin = false;
-    return m;
-}
-
-Material matte(const vec3& color) {
-    Material m;
-    m.baseColor = color;
-    return m;
-}
-
 /// All that shading knows: smooth and flat glass that absorbs, a mirror, a gloss, a texture, vertex colours, an emitter, and
 /// lights of every kind.
 Scene variedScene() {
-    Scene scene;
-    Material floor = matte(vec3(0.7f, 0.6f, 0.5f));
-    floor.baseColorTexture = Texture{0, Wrap::repeat, Wrap::mirror};
-    scene.images.push_back({2, 2, {255, 255, 255, 255, 200, 40, 40, 255, 40, 200, 40, 255, 90, 90, 255, 255}});
-    const uint32_t quad = addQuad(scene, {-4, 0, 4}, {8, 0, 0}, {0, 0, -8}, floor);
-    scene.meshes[quad].uvs = {{0, 0}, {5, 0}, {5, 5}, {0, 5}};
-    const uint32_t wall = addQuad(scene, {-4, 0, -4}, {8, 0, 0}, {0, 5, 0}, matte(vec3(0.8f)));
-    scene.meshes[wall].colors = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
-    Material tinted = glass(1.5f);
-    tinted.attenuationColor = vec3(0.4f, 0.9f, 0.6f);
-    tinted.attenuationDistance = 0.7f;
-    addSphere(scene, {-1.2f, 1.0f, 0.5f}, 1.0f, 10, true, tinted);
+    Scene scene = variedRoom();
+    addSphere(scene, {-1.2f, 1.0f, 0.5f}, 1.0f, 10, true, tintedGlass());
     addSphere(scene, {1.2f, 1.0f, -0.5f}, 1.0f, 6, false, metal(vec3(0.9f, 0.8f, 0.5f)));
     Material polished = matte(vec3(0.2f, 0.3f, 0.8f));
     polished.roughness = 0.1f;
     addSphere(scene, {0.3f, 0.5f, 2.0f}, 0.5f, 8, true, polished);
-    Material lamp = matte(vec3(0.0f));
-    lamp.emission = vec3(9.0f, 8.0f, 7.0f);
-    addQuad(scene, {-1, 4.5f, -1}, {2, 0, 0}, {0, 0, 2}, lamp);
+    addQuad(scene, {-1, 4.5f, -1}, {2, 0, 0}, {0, 0, 2}, glowing(vec3(9.0f, 8.0f, 7.0f)));
     scene.lights = {{.type = Light::Type::point, .position = {3, 3, 3}, .intensity = vec3(4.0f), .range = 9.0f},
                     {.type = Light::Type::spot, .position = {-3, 4, 2}, .direction = glm::normalize(vec3(1, -1.2f, -0.6f)),
                      .intensity = vec3(12, 10, 4), .innerConeAngle = 0.3f, .outerConeAngle = 0.6f},
                     {.type = Light::Type::directional, .direction = glm::normalize(vec3(-0.3f, -1, -0.4f)),
                      .intensity = vec3(0.4f)}};
-    scene.sky = {.zenith = {0.2f, 0.3f, 0.6f}, .horizon = {0.6f, 0.6f, 0.6f}, .ground = {0.1f, 0.1f, 0.1f}};
-    scene.ambient = vec3(0.05f);
-    scene.cameras.push_back(lookAt({0.5f, 2.0f, 6.0f}, {0.0f, 1.0f, 0.0f}));
     return scene;
 }
 
@@ -119,7 +80,8 @@ bool isFinite(const Picture& picture) {
 
 // A pixel left out, or done twice, would be seen nowhere else.
 TEST(PixelOrder, VisitsEachPixelOnce) {
-    for (const uvec2 size : {uvec2(1, 1), uvec2(1, 17), uvec2(17, 1), uvec2(8, 8), uvec2(7, 9), uvec2(9, 7), uvec2(65, 33)}) {
+    for (const uvec2 size :
+         {uvec2(1, 1), uvec2(1, 17), uvec2(17, 1), uvec2(8, 8), uvec2(7, 9), uvec2(9, 7), uvec2(65, 33)}) {
         shared::FrameKernels kernels;
         kernels.frame.width = size.x;
         kernels.frame.height = size.y;

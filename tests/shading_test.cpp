@@ -22,23 +22,6 @@ FrameKernels& code() {
     return kernels;
 }
 
-FrameOptions square(uint32_t side, uint32_t samples, uint32_t maxDepth = 8, float minContribution = 0.0f) {
-    FrameOptions options;
-    options.width = options.height = side;
-    options.samples = samples;
-    options.maxDepth = maxDepth;
-    options.minContribution = minContribution;
-    return options;
-}
-
-Scene whiteSky() {
-    Scene scene;
-    scene.sky = {.zenith = vec3(1.0f), .horizon = vec3(1.0f), .ground = vec3(1.0f)};
-    scene.ambient = vec3(1.0f);
-    scene.cameras.push_back(lookAt({0, 0.3f, 4}, {0, 0, 0}));
-    return scene;
-}
-
 Material material(float metallic, float roughness, float transmission, float ior, bool thin, const vec3& color = vec3(1.0f)) {
     Material m;
     m.baseColor = color;
@@ -320,10 +303,7 @@ TEST(Shadows, FallFromWhatIsOpaqueAndNotFromGlass) {
 // within 4 standard errors of it.
 TEST(Emitters, LightTheFloorBelowAsTheConfigurationFactorSays) {
     Scene scene = floorFromAbove();
-    Material lamp;
-    lamp.baseColor = vec3(0.0f);
-    lamp.emission = vec3(3.0f);
-    addQuad(scene, {0.0f, 1.0f, 0.0f}, {1.0f, 0, 0}, {0, 0, -0.5f}, lamp);
+    addQuad(scene, {0.0f, 1.0f, 0.0f}, {1.0f, 0, 0}, {0, 0, -0.5f}, glowing(vec3(3.0f)));
     scene.cameras[0].eye.y = 0.5f;  // below the lamp
     const double x = 1.0, y = 0.5;
     const double factor = (x / std::sqrt(1 + x * x) * std::atan(y / std::sqrt(1 + x * x)) +

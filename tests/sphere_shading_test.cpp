@@ -14,78 +14,21 @@ namespace {
 
 using namespace test;
 
-/// Adds a mesh of one sphere that is one. Returns its index.
-uint32_t addTrueSphere(Scene& scene, const vec3& centre, float radius, const Material& material) {
-    Mesh mesh;
-    mesh.spheres = {{centre, radius}};
-    mesh.materials = {static_cast<uint32_t>(scene.materials.size())};
-    scene.materials.push_back(material);
-    scene.meshes.push_back(mesh);
-    const auto index = static_cast<uint32_t>(scene.meshes.size() - 1);
-    scene.instances.push_back({index, dmat4(1.0)});
-    return index;
-}
-
-Material matte(const vec3& color) {
-    Material m;
-    m.baseColor = color;
-    return m;
-}
-
-Material mirror(const vec3& color) {
-    Material m = matte(color);
-    m.metallic = 1.0f;
-    m.roughness = 0.0f;
-    return m;
-}
-
-Material glass(float ior) {
-    Material m = matte(vec3(1.0f));
-    m.roughness = 0.0f;
-    m.transmission = 1.0f;
-    m.ior = ior;
-    m.thin = false;
-    return m;
-}
-
-FrameOptions square(uint32_t side, uint32_t samples, uint32_t maxDepth = 8) {
-    FrameOptions options;
-    options.width = options.height = side;
-    options.samples = samples;
-    options.maxDepth = maxDepth;
-    options.minContribution = 0.0f;
-    return options;
-}
-
 /// Spheres of every kind among triangles with texture, vertex colours and normals; an air bubble in glass; lights of two
 /// kinds.
 Scene variedScene() {
-    Scene scene;
-    Material floor = matte(vec3(0.7f, 0.6f, 0.5f));
-    floor.baseColorTexture = Texture{0, Wrap::repeat, Wrap::mirror};
-    scene.images.push_back({2, 2, {255, 255, 255, 255, 200, 40, 40, 255, 40, 200, 40, 255, 90, 90, 255, 255}});
-    const uint32_t quad = addQuad(scene, {-4, 0, 4}, {8, 0, 0}, {0, 0, -8}, floor);
-    scene.meshes[quad].uvs = {{0, 0}, {5, 0}, {5, 5}, {0, 5}};
-    const uint32_t wall = addQuad(scene, {-4, 0, -4}, {8, 0, 0}, {0, 5, 0}, matte(vec3(0.8f)));
-    scene.meshes[wall].colors = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
-    addSphere(scene, {2.6f, 0.8f, 0.5f}, 0.8f, 8, true, mirror(vec3(0.8f)));
-    Material tinted = glass(1.5f);
-    tinted.attenuationColor = vec3(0.4f, 0.9f, 0.6f);
-    tinted.attenuationDistance = 0.7f;
-    addTrueSphere(scene, {-1.2f, 1.0f, 0.5f}, 1.0f, tinted);
+    Scene scene = variedRoom();
+    addSphere(scene, {2.6f, 0.8f, 0.5f}, 0.8f, 8, true, metal(vec3(0.8f)));
+    addTrueSphere(scene, {-1.2f, 1.0f, 0.5f}, 1.0f, tintedGlass());
     addTrueSphere(scene, {-1.2f, 1.0f, 0.5f}, 0.4f, glass(1.0f / 1.5f));  // air, as seen from the glass
-    addTrueSphere(scene, {1.2f, 1.0f, -0.5f}, 1.0f, mirror(vec3(0.9f, 0.8f, 0.5f)));
+    addTrueSphere(scene, {1.2f, 1.0f, -0.5f}, 1.0f, metal(vec3(0.9f, 0.8f, 0.5f)));
     addTrueSphere(scene, {0.3f, 0.5f, 2.0f}, 0.5f, matte(vec3(0.2f, 0.3f, 0.8f)));
-    Material lamp = matte(vec3(0.0f));
-    lamp.emission = vec3(9.0f, 8.0f, 7.0f);
+    const Material lamp = glowing(vec3(9.0f, 8.0f, 7.0f));
     addQuad(scene, {-1, 4.5f, -1}, {2, 0, 0}, {0, 0, 2}, lamp);
     addTrueSphere(scene, {3.0f, 3.0f, 0.0f}, 0.3f, lamp);
     scene.lights = {{.type = Light::Type::point, .position = {3, 3, 3}, .intensity = vec3(4.0f)}};
-    scene.sky = {.zenith = {0.2f, 0.3f, 0.6f}, .horizon = {0.6f, 0.6f, 0.6f}, .ground = {0.1f, 0.1f, 0.1f}};
-    scene.ambient = vec3(0.05f);
-    scene.cameras.push_back(lookAt({0.5f, 2.0f, 6.0f}, {0.0f, 1.0f, 0.0f}));
-    scene.cameras.push_back(
-        lookAt({-1.2f, 1.0f, 0.0f}, {0.0f, 1.0f, 0.0f}));  // in the glass, between its surface and the bubble
+    // In the glass, between its surface and the bubble.
+    scene.cameras.push_back(lookAt({-1.2f, 1.0f, 0.0f}, {0.0f, 1.0f, 0.0f}));
     return scene;
 }
 
@@ -146,11 +89,8 @@ TEST(SpheresRays, LeaveThemOnTheRightSide) {
 // --------------------------------------------------------------------------------------------------------------
 
 TEST(SpheresFurnace, GivesOneWithWhatWasDiscarded) {
-    for (const Material& material : {matte(vec3(1.0f)), mirror(vec3(1.0f)), glass(1.5f), glass(1.0f)}) {
-        Scene scene;
-        scene.sky = {.zenith = vec3(1.0f), .horizon = vec3(1.0f), .ground = vec3(1.0f)};
-        scene.ambient = vec3(1.0f);
-        scene.cameras.push_back(lookAt({0, 0.3f, 4}, {0, 0, 0}));
+    for (const Material& material : {matte(vec3(1.0f)), metal(vec3(1.0f)), glass(1.5f), glass(1.0f)}) {
+        Scene scene = whiteSky();
         addTrueSphere(scene, vec3(0.0f), 1.0f, material);
         const Picture picture = Stage(scene).onCpu(square(32, 2, 6));
         for (size_t i = 0; i < picture.radiance.size(); ++i)
@@ -176,9 +116,7 @@ TEST(SpheresOfGlass, AbsorbByTheirDiameter) {
 
 TEST(SpheresThatGlow, AreSeenAndLightNothing) {
     Scene scene;
-    Material lamp = matte(vec3(0.0f));
-    lamp.emission = vec3(3.0f);
-    addTrueSphere(scene, {0, 1, 0}, 0.5f, lamp);
+    addTrueSphere(scene, {0, 1, 0}, 0.5f, glowing(vec3(3.0f)));
     addQuad(scene, {-4, 0, 4}, {8, 0, 0}, {0, 0, -8}, matte(vec3(0.5f)));
     scene.cameras.push_back(lookAt({0, 1, 4}, {0, 1, 0}, 1e-4f));
     scene.cameras.push_back(lookAt({0, 1, 4}, {0, 0, 1}, 1e-4f));

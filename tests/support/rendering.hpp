@@ -12,6 +12,48 @@
 
 namespace raig::test {
 
+/// Reflects diffusely.
+inline Material matte(const vec3& color) {
+    Material m;
+    m.baseColor = color;
+    return m;
+}
+
+/// Reflects as a mirror if it is not rough.
+inline Material metal(const vec3& color, float roughness = 0.0f) {
+    Material m;
+    m.baseColor = color;
+    m.metallic = 1.0f;
+    m.roughness = roughness;
+    return m;
+}
+
+/// Solid, smooth glass of that index of refraction.
+inline Material glass(float ior, const vec3& color = vec3(1.0f)) {
+    Material m;
+    m.baseColor = color;
+    m.roughness = 0.0f;
+    m.transmission = 1.0f;
+    m.ior = ior;
+    m.thin = false;
+    return m;
+}
+
+/// Glass that absorbs.
+inline Material tintedGlass() {
+    Material tinted = glass(1.5f);
+    tinted.attenuationColor = vec3(0.4f, 0.9f, 0.6f);
+    tinted.attenuationDistance = 0.7f;
+    return tinted;
+}
+
+/// Black, and glows.
+inline Material glowing(const vec3& emission) {
+    Material m = matte(vec3(0.0f));
+    m.emission = emission;
+    return m;
+}
+
 /// Adds a mesh of its own, with one material, where it stands. Returns its index.
 inline uint32_t addMesh(Scene& scene, std::vector<vec3> positions, std::vector<uvec3> triangles, const Material& material) {
     Mesh mesh;
@@ -31,7 +73,8 @@ inline uint32_t addQuad(Scene& scene, const vec3& corner, const vec3& u, const v
 }
 
 /// A closed sphere of rings x 2 rings quads, faces outwards; with its exact normals if `smooth`.
-inline uint32_t addSphere(Scene& scene, const vec3& centre, float radius, uint32_t rings, bool smooth, const Material& material) {
+inline uint32_t addSphere(Scene& scene, const vec3& centre, float radius, uint32_t rings, bool smooth,
+                          const Material& material) {
     std::vector<vec3> directions;
     std::vector<uvec3> triangles;
     const uint32_t around = 2 * rings;
@@ -59,6 +102,18 @@ inline uint32_t addSphere(Scene& scene, const vec3& centre, float radius, uint32
     return mesh;
 }
 
+/// Adds a mesh of one sphere that is one. Returns its index.
+inline uint32_t addTrueSphere(Scene& scene, const vec3& centre, float radius, const Material& material) {
+    Mesh mesh;
+    mesh.spheres = {{centre, radius}};
+    mesh.materials = {static_cast<uint32_t>(scene.materials.size())};
+    scene.materials.push_back(material);
+    scene.meshes.push_back(mesh);
+    const auto index = static_cast<uint32_t>(scene.meshes.size() - 1);
+    scene.instances.push_back({index, dmat4(1.0)});
+    return index;
+}
+
 /// A camera at `eye` that looks at `target`, +y up.
 inline Camera lookAt(const vec3& eye, const vec3& target, float yfov = 0.785398f) {
     Camera camera;
@@ -68,6 +123,31 @@ inline Camera lookAt(const vec3& eye, const vec3& target, float yfov = 0.785398f
     camera.up = glm::cross(camera.right, camera.forward);
     camera.yfov = yfov;
     return camera;
+}
+
+/// Where light of radiance 1 comes from everywhere, and a camera that looks at the origin: add what is to be seen in it.
+inline Scene whiteSky() {
+    Scene scene;
+    scene.sky = {.zenith = vec3(1.0f), .horizon = vec3(1.0f), .ground = vec3(1.0f)};
+    scene.ambient = vec3(1.0f);
+    scene.cameras.push_back(lookAt({0, 0.3f, 4}, {0, 0, 0}));
+    return scene;
+}
+
+/// A floor with a texture, a wall with vertex colours, a sky, and a camera that looks at what is put between them.
+inline Scene variedRoom() {
+    Scene scene;
+    Material floor = matte(vec3(0.7f, 0.6f, 0.5f));
+    floor.baseColorTexture = Texture{0, Wrap::repeat, Wrap::mirror};
+    scene.images.push_back({2, 2, {255, 255, 255, 255, 200, 40, 40, 255, 40, 200, 40, 255, 90, 90, 255, 255}});
+    const uint32_t quad = addQuad(scene, {-4, 0, 4}, {8, 0, 0}, {0, 0, -8}, floor);
+    scene.meshes[quad].uvs = {{0, 0}, {5, 0}, {5, 5}, {0, 5}};
+    const uint32_t wall = addQuad(scene, {-4, 0, -4}, {8, 0, 0}, {0, 5, 0}, matte(vec3(0.8f)));
+    scene.meshes[wall].colors = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
+    scene.sky = {.zenith = {0.2f, 0.3f, 0.6f}, .horizon = {0.6f, 0.6f, 0.6f}, .ground = {0.1f, 0.1f, 0.1f}};
+    scene.ambient = vec3(0.05f);
+    scene.cameras.push_back(lookAt({0.5f, 2.0f, 6.0f}, {0.0f, 1.0f, 0.0f}));
+    return scene;
 }
 
 /// A scene with all that rendering it takes.
@@ -93,6 +173,16 @@ struct Stage {
     Geometry geometry;
     Structure structure;
 };
+
+/// A square picture whose rays are followed down to `maxDepth`, however little they carry unless told.
+inline FrameOptions square(uint32_t side, uint32_t samples, uint32_t maxDepth = 8, float minContribution = 0.0f) {
+    FrameOptions options;
+    options.width = options.height = side;
+    options.samples = samples;
+    options.maxDepth = maxDepth;
+    options.minContribution = minContribution;
+    return options;
+}
 
 /// Bits of a picture: equal exactly if radiance, discarded weights and ray counts are.
 inline std::vector<uint32_t> bitsOf(const Picture& picture) {
