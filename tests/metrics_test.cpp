@@ -37,8 +37,7 @@ Image moved(const Image& image, uint32_t width, uint32_t height, const std::func
     return result;
 }
 
-// ---- A second FLIP: two-dimensional filters written out, CIE units, no cleverness
-// ------------------------------------------
+// ---- A second FLIP: two-dimensional filters written out, CIE units, no cleverness --------------------------------------
 
 using Vec = std::array<double, 3>;
 using Kernel = std::function<double(int, int)>;
@@ -130,8 +129,7 @@ struct DirectFlip {
     }
 };
 
-// ---- What holds for all of them
-// ----------------------------------------------------------------------------------------------
+// ---- What holds for all of them ----------------------------------------------------------------------------------------
 
 TEST(PictureDifference, OfEqualPicturesIsExactlyNothing) {
     for (const auto& [width, height] : {std::pair{1u, 1u}, std::pair{40u, 3u}, std::pair{30u, 20u}}) {
@@ -247,8 +245,7 @@ TEST(PictureDifference, LeavesOutTheMaskAndSaysNothingOfNothing) {
     EXPECT_EQ(none.flipP99, 0.0);
 }
 
-// ---- Closed forms
-// ------------------------------------------------------------------------------------------------------------
+// ---- Closed forms ------------------------------------------------------------------------------------------------------
 
 TEST(PictureDifference, RmseRelmseAndMaxFollowTheirFormulas) {
     Image a(4, 1, vec3(0.5f)), b = a;
@@ -312,8 +309,7 @@ TEST(PictureDifference, SsimOfOneWindowFollowsItsFormula) {
     EXPECT_NEAR(comparePictures(a, b).ssim, want, 1e-12);
 }
 
-// ---- FLIP
-// --------------------------------------------------------------------------------------------------------------------
+// ---- FLIP --------------------------------------------------------------------------------------------------------------
 
 TEST(Flip, OfWhiteAgainstBlackIsItsColourTermAlone) {
     // L* differs by 100, a* and b* by 0: 100^0.7 = 25.1189, beyond the knee at 0.4 of 41.2760 (green against blue, by hand).
@@ -381,8 +377,7 @@ TEST(Flip, PercentileIsOfNearestRank) {
     EXPECT_EQ(d.flipMax, values[199]);
 }
 
-// ---- The colour map
-// ----------------------------------------------------------------------------------------------------------
+// ---- The colour map ----------------------------------------------------------------------------------------------------
 
 TEST(FalseColour, GrowsLighterEvenlyAndMarksWhatIsLeftOut) {
     const auto lightness = [](const vec3& c) {

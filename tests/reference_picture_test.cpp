@@ -91,7 +91,7 @@ TEST(ReferenceLights, OpaqueThingsCastShadowsAndClearOnesDoNot) {
     }
 }
 
-// ---- Textures, cameras, pictures -----------------------------------------------------------------------------------------
+// ---- Textures, cameras, pictures ---------------------------------------------------------------------------------------
 
 TEST(ReferenceTexture, IsBilinearAndWraps) {
     Scene scene;

@@ -33,7 +33,7 @@ Material material(float metallic, float roughness, float transmission, float ior
     return m;
 }
 
-// ---- Sampling numbers --------------------------------------------------------------------------------------------------------
+// ---- Sampling numbers --------------------------------------------------------------------------------------------------
 
 TEST(Sampling, SecondDimensionIsSobols) {
     Random random(3);
@@ -71,7 +71,7 @@ TEST(Sampling, StratifiesEveryElementaryInterval) {
             }
 }
 
-// ---- Surfaces ----------------------------------------------------------------------------------------------------------------
+// ---- Surfaces ----------------------------------------------------------------------------------------------------------
 
 TEST(Fresnel, IsThatOfTheEquationsAtEveryAngle) {
     for (const auto& [n1, n2] : {std::pair(1.0, 1.5), std::pair(1.5, 1.0), std::pair(1.0, 1.33), std::pair(2.4, 1.0)})
@@ -125,7 +125,7 @@ TEST(FaceNormal, IsRightAtEverySize) {
         }
 }
 
-// ---- Spawned rays ------------------------------------------------------------------------------------------------------------
+// ---- Spawned rays ------------------------------------------------------------------------------------------------------
 
 /// Rays that leave points of `triangles` to the side of each one's normal, at all angles down to 1e-4 above the surface.
 std::vector<Ray> spawn(const std::vector<Triangle>& triangles, size_t count, uint64_t seed) {
@@ -209,7 +209,7 @@ TEST(SpawnedRays, NeverJumpAGapOfEightUlp) {
         }
 }
 
-// ---- Whole pictures against closed forms ---------------------------------------------------------------------------------------
+// ---- Whole pictures against closed forms -------------------------------------------------------------------------------
 
 // Where all light has radiance 1, everything that keeps energy looks like 1: what is missing is what was discarded.
 TEST(Furnace, GivesOneWithWhatWasDiscarded) {
@@ -364,7 +364,7 @@ TEST(Absorption, FollowsBeerAndLambert) {
     EXPECT_NEAR(seen.z, 1.0, 1e-6);
 }
 
-// ---- Textures ------------------------------------------------------------------------------------------------------------------
+// ---- Textures ----------------------------------------------------------------------------------------------------------
 
 /// The colour at (u, v) of a texture 2 texels wide and 1 high, black then white.
 float textureAt(float u, Wrap wrap) {

@@ -32,8 +32,7 @@ Scene variedScene() {
     return scene;
 }
 
-// ---- Rays that leave spheres
-// ---------------------------------------------------------------------------------------------------
+// ---- Rays that leave spheres -------------------------------------------------------------------------------------------
 
 // From either side, at every size and place: outwards a ray never meets its sphere again; inwards it meets it once, at the
 // far end of its chord; and it starts nearer to the surface than 8 ULP of the largest coordinate.
@@ -85,8 +84,7 @@ TEST(SpheresRays, LeaveThemOnTheRightSide) {
     EXPECT_GT(inwards, 80'000u);
 }
 
-// ---- Closed forms
-// --------------------------------------------------------------------------------------------------------------
+// ---- Closed forms ------------------------------------------------------------------------------------------------------
 
 TEST(SpheresFurnace, GivesOneWithWhatWasDiscarded) {
     for (const Material& material : {matte(vec3(1.0f)), metal(vec3(1.0f)), glass(1.5f), glass(1.0f)}) {
@@ -126,8 +124,7 @@ TEST(SpheresThatGlow, AreSeenAndLightNothing) {
     EXPECT_EQ(Stage(scene).onCpu(options).radiance[0], vec3(0.0f));
 }
 
-// ---- Every device, and the reference
-// -------------------------------------------------------------------------------------------
+// ---- Every device, and the reference -----------------------------------------------------------------------------------
 
 TEST(SpheresPicture, EqualsTheReferenceOutsideTies) {
     const Stage stage(variedScene());
