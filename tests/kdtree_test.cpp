@@ -3,11 +3,11 @@
 
 #include "base/error.hpp"
 #include "rays/cpu_walk.hpp"
-#include "rays/tracer.hpp"
 #include "structures/kdtree_tree.hpp"
 #include "support/cells.hpp"
 #include "support/effort.hpp"
 #include "support/random.hpp"
+#include "support/tracing.hpp"
 
 #include <gtest/gtest.h>
 
@@ -52,7 +52,9 @@ struct Walk {
 namespace {
 
 using test::AxisPlane;
+using test::expectSame;
 using test::Soup;
+using test::traceOnCpu;
 
 Structure build(const std::vector<Triangle>& triangles, const BuildParams& params = {}) {
     return kdtree::build(triangles, params);
@@ -65,24 +67,6 @@ std::vector<AxisPlane> planesOf(const Structure& structure) {
         planes.push_back({static_cast<int>(node.y), std::bit_cast<float>(node.x) / structure.header.unit});
     }
     return planes;
-}
-
-bool sameBits(const Hit& a, const Hit& b) {
-    return std::memcmp(&a, &b, sizeof(Hit)) == 0;
-}
-
-std::vector<Hit> trace(const Structure& structure, const std::vector<Ray>& rays) {
-    std::vector<Hit> hits(rays.size());
-    makeCpuTracer(structure)->trace(rays, hits, Query::closest);
-    return hits;
-}
-
-void expectSame(const std::vector<Hit>& got, const std::vector<Hit>& want, const std::vector<Ray>& rays,
-                const std::string& what) {
-    for (size_t i = 0; i < rays.size(); ++i)
-        ASSERT_TRUE(sameBits(got[i], want[i]))
-            << what << " ray " << i << ' ' << test::describe(rays[i]) << " got " << got[i].primitive << ' ' << got[i].t
-            << " want " << want[i].primitive << ' ' << want[i].t;
 }
 
 /// Hits of walks that stop after every `steps` loop iterations and are taken up again. Nothing if one takes more than
@@ -113,7 +97,7 @@ TEST(KdTree, FindsWhatBruteForceFindsAtItsPlanes) {
             if (structure.header.nodeCount == 0) continue;
             const std::vector<Ray> rays =
                 test::raysAtPlanes(soup.triangles, planesOf(structure), /* seed= */ 3, test::affordable(1600));
-            expectSame(trace(structure, rays), trace(structureType("brute").build(soup.triangles, {}), rays), rays,
+            expectSame(traceOnCpu(structure, rays), traceOnCpu(structureType("brute").build(soup.triangles, {}), rays), rays,
                        soup.name + ' ' + builder);
         }
 }
@@ -146,7 +130,7 @@ TEST(KdTree, RefersAtMostTwentyTimesToEachTriangle) {
             EXPECT_EQ(kdtree::findFault(structure, soup.triangles), std::nullopt) << soup.name;
             EXPECT_LE(structure.statistics.references, 20 * soup.triangles.size()) << soup.name << ' ' << builder;
             const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 5, test::affordable(1000));
-            expectSame(trace(structure, rays), trace(structureType("brute").build(soup.triangles, {}), rays), rays,
+            expectSame(traceOnCpu(structure, rays), traceOnCpu(structureType("brute").build(soup.triangles, {}), rays), rays,
                        soup.name);
         }
 }
@@ -158,7 +142,8 @@ TEST(KdTree, HoldsTrianglesThatAreNearlyFlat) {
     std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 5, 2000);
     const std::vector<Ray> more = test::raysAtPlanes(soup.triangles, planesOf(structure), /* seed= */ 5, 2000);
     rays.insert(rays.end(), more.begin(), more.end());
-    expectSame(trace(structure, rays), trace(structureType("brute").build(soup.triangles, {}), rays), rays, soup.name);
+    expectSame(traceOnCpu(structure, rays), traceOnCpu(structureType("brute").build(soup.triangles, {}), rays), rays,
+               soup.name);
 }
 
 // Hard case 60: nothing but `at` and the hit so far is kept from one dispatch to the next.
@@ -167,7 +152,7 @@ TEST(KdTree, IsWalkedInPiecesOfAnySize) {
         if (soup.triangles.size() < 2) continue;
         const Structure structure = build(soup.triangles, {.build = "median", .maxLeaf = 8});
         const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 6, 400);
-        const std::vector<Hit> want = trace(structure, rays);
+        const std::vector<Hit> want = traceOnCpu(structure, rays);
         for (const uint32_t steps : {1u, 2u, 7u}) {
             const auto restart = traceInPieces<WALK_RESTART>(structure, rays, steps, 1u << 20);
             const auto stack = traceInPieces<WALK_SHORT_STACK>(structure, rays, steps, 1u << 20);

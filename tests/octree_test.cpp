@@ -3,9 +3,9 @@
 
 #include "base/error.hpp"
 #include "rays/cpu_walk.hpp"
-#include "rays/tracer.hpp"
 #include "support/cells.hpp"
 #include "support/random.hpp"
+#include "support/tracing.hpp"
 
 #include <gtest/gtest.h>
 
@@ -49,7 +49,9 @@ struct Walk {
 namespace {
 
 using test::AxisPlane;
+using test::expectSame;
 using test::Soup;
+using test::traceOnCpu;
 
 Structure build(const std::vector<Triangle>& triangles, const BuildParams& params = {}) {
     return octree::build(triangles, params);
@@ -63,24 +65,6 @@ std::vector<AxisPlane> planesOf(const Structure& structure) {
             planes.push_back(
                 {axis, octree::planeAt(structure.header, i * (octree::side / 16), axis) / structure.header.unit});
     return planes;
-}
-
-bool sameBits(const Hit& a, const Hit& b) {
-    return std::memcmp(&a, &b, sizeof(Hit)) == 0;
-}
-
-std::vector<Hit> trace(const Structure& structure, const std::vector<Ray>& rays) {
-    std::vector<Hit> hits(rays.size());
-    makeCpuTracer(structure)->trace(rays, hits, Query::closest);
-    return hits;
-}
-
-void expectSame(const std::vector<Hit>& got, const std::vector<Hit>& want, const std::vector<Ray>& rays,
-                const std::string& what) {
-    for (size_t i = 0; i < rays.size(); ++i)
-        ASSERT_TRUE(sameBits(got[i], want[i]))
-            << what << " ray " << i << ' ' << test::describe(rays[i]) << " got " << got[i].primitive << ' ' << got[i].t
-            << " want " << want[i].primitive << ' ' << want[i].t;
 }
 
 /// Hits of walks that stop after every `steps` loop iterations and are taken up again. Nothing if one takes more than
@@ -109,7 +93,8 @@ TEST(Octree, FindsWhatBruteForceFindsAtItsPlanes) {
         const Structure structure = build(soup.triangles);
         if (structure.header.nodeCount == 0) continue;
         const std::vector<Ray> rays = test::raysAtPlanes(soup.triangles, planesOf(structure), /* seed= */ 3, 1600);
-        expectSame(trace(structure, rays), trace(structureType("brute").build(soup.triangles, {}), rays), rays, soup.name);
+        expectSame(traceOnCpu(structure, rays), traceOnCpu(structureType("brute").build(soup.triangles, {}), rays), rays,
+                   soup.name);
     }
 }
 
@@ -120,7 +105,8 @@ TEST(Octree, RefersAtMostTwentyTimesToEachTriangle) {
         EXPECT_EQ(octree::findFault(structure, soup.triangles), std::nullopt) << soup.name;
         EXPECT_LE(structure.statistics.references, 20 * soup.triangles.size()) << soup.name;
         const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 5, 1000);
-        expectSame(trace(structure, rays), trace(structureType("brute").build(soup.triangles, {}), rays), rays, soup.name);
+        expectSame(traceOnCpu(structure, rays), traceOnCpu(structureType("brute").build(soup.triangles, {}), rays), rays,
+                   soup.name);
     }
 }
 
@@ -143,7 +129,7 @@ TEST(Octree, HoldsFlatScenes) {
         EXPECT_EQ(octree::findFault(structure, floor), std::nullopt);
         EXPECT_GT(structure.statistics.leaves, 50u);
         const std::vector<Ray> rays = test::rays(floor, /* seed= */ 5, 2000);
-        expectSame(trace(structure, rays), trace(structureType("brute").build(floor, {}), rays), rays, "floor");
+        expectSame(traceOnCpu(structure, rays), traceOnCpu(structureType("brute").build(floor, {}), rays), rays, "floor");
     }
 }
 
@@ -154,7 +140,8 @@ TEST(Octree, HoldsTrianglesThatAreNearlyFlat) {
     std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 5, 2000);
     const std::vector<Ray> more = test::raysAtPlanes(soup.triangles, planesOf(structure), /* seed= */ 5, 2000);
     rays.insert(rays.end(), more.begin(), more.end());
-    expectSame(trace(structure, rays), trace(structureType("brute").build(soup.triangles, {}), rays), rays, soup.name);
+    expectSame(traceOnCpu(structure, rays), traceOnCpu(structureType("brute").build(soup.triangles, {}), rays), rays,
+               soup.name);
 }
 
 // Hard case 60: nothing but `at` and the hit so far is kept from one dispatch to the next.
@@ -163,7 +150,7 @@ TEST(Octree, IsWalkedInPiecesOfAnySize) {
         if (soup.triangles.size() < 2) continue;
         const Structure structure = build(soup.triangles, {.maxLeaf = 2});
         const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 6, 400);
-        const std::vector<Hit> want = trace(structure, rays);
+        const std::vector<Hit> want = traceOnCpu(structure, rays);
         for (const uint32_t steps : {1u, 2u, 7u}) {
             const auto got = traceInPieces(structure, rays, steps, 1u << 20);
             ASSERT_TRUE(got) << soup.name << ": a walk does not end";

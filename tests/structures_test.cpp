@@ -1,8 +1,8 @@
 #include "base/error.hpp"
-#include "rays/tracer.hpp"
 #include "structures/structure.hpp"
 #include "support/effort.hpp"
 #include "support/soups.hpp"
+#include "support/tracing.hpp"
 #include "support/variants.hpp"
 
 #include <gtest/gtest.h>
@@ -14,18 +14,10 @@
 namespace raig {
 namespace {
 
+using test::sameBits;
 using test::Soup;
+using test::traceOnCpu;
 using test::Variant;
-
-bool sameBits(const Hit& a, const Hit& b) {
-    return std::memcmp(&a, &b, sizeof(Hit)) == 0;
-}
-
-std::vector<Hit> traceOnCpu(const Structure& structure, const std::vector<Ray>& rays, Query query) {
-    std::vector<Hit> hits(rays.size());
-    makeCpuTracer(structure)->trace(rays, hits, query);
-    return hits;
-}
 
 class EveryStructure : public testing::TestWithParam<Variant> {
 protected:

@@ -7,6 +7,7 @@
 
 #include <limits>
 #include <numbers>
+#include <stdexcept>
 
 namespace raig::test {
 
@@ -234,6 +235,12 @@ Ray grazingRay(const Aim& aim, Random& random) {
 }
 
 }  // namespace
+
+std::vector<Triangle> soupNamed(const std::string& name) {
+    for (const Soup& soup : soups())
+        if (soup.name == name) return soup.triangles;
+    throw std::out_of_range("no soup " + name);
+}
 
 std::vector<Ray> rays(const std::vector<Triangle>& triangles, uint64_t seed, size_t count) {
     Aim aim{{}, triangles, {}, 1.0};

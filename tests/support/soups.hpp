@@ -19,6 +19,9 @@ struct Soup {
 /// then those of sphere_soups.hpp.
 std::vector<Soup> soups();
 
+/// The triangles of the one of soups() that has this name. Throws where none does.
+std::vector<Triangle> soupNamed(const std::string& name);
+
 /// A closed triangle mesh of a bumpy sphere: `rings` x 2 `rings`, the vertices shared exactly.
 std::vector<Triangle> sphere(uint32_t rings, double radius, dvec3 centre, double bumps = 0.0);
 
