@@ -3,6 +3,7 @@
 #include "image/image.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "support/images.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,6 +19,8 @@
 namespace raig {
 namespace {
 
+using test::noise;
+
 using Bytes = std::vector<std::byte>;
 
 constexpr float inf = std::numeric_limits<float>::infinity();
@@ -31,14 +34,6 @@ Bytes bytesOf(std::string_view text) {
 
 std::string textOf(const Bytes& bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-Image noise(uint32_t width, uint32_t height, unsigned seed, float scale = 1.0f) {
-    std::mt19937 random(seed);
-    Image image(width, height);
-    for (vec3& c : image.pixels)
-        for (int k = 0; k < 3; ++k) c[k] = scale * static_cast<float>(random() >> 8) / 16777216.0f;
-    return image;
 }
 
 bool sameBits(const Image& a, const Image& b) {
