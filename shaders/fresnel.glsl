@@ -70,7 +70,8 @@ Split splitByFresnel(vec3 d, float cosI, SurfacePoint p) {
     return Split(vec3(reflectance), rest * p.through, rest * p.diffuse, reflectedDirection(d, p), way);
 }
 
-// How light that comes along a ray of unit direction d is split at p. Ensures reflected + diffuse <= 1 for an opaque surface.
+// How light that comes along a ray of unit direction d is split at p. Ensures reflected + diffuse <= 1 for an opaque
+// surface.
 // Source: Whitted 1980, "An Improved Illumination Model for Shaded Display"; Schlick 1994, "An Inexpensive BRDF Model for
 // Physically-based Rendering" (growth of an opaque surface's reflection towards grazing).
 Split splitAt(vec3 d, SurfacePoint p) {

@@ -31,8 +31,8 @@ PixelResult resultOf(PathState state) {
     return PixelResult(mean, discarded, state.pixel, state.shadowRays, state.deepest, 0u);
 }
 
-// Turns slot `slot` to a ray that was put off, else to its next sample. Returns false, with its pixel in results[], if there is
-// neither.
+// Turns slot `slot` to a ray that was put off, else to its next sample. Returns false, with its pixel in results[], if there
+// is neither.
 bool moveOn(uint i, uint slot, INOUT(Ray) next) {
     PathState state = states[slot];
     precise vec3 sum = state.sum + gatheredLight(i);

@@ -105,12 +105,12 @@ void completeRay(INOUT(WalkRay) r, float largest, float slackUnit) {
 
 // Makes a ray ready. `lo` and `hi` bound the scene in its unit.
 //
-// SLACK is 64 u M, M the largest distance along an axis from the ray's origin to the scene's bounds. The shear of a triangle's
-// corners misplaces them against the ray by 11 u M along each axis (three roundings a corner of magnitudes up to 2 M, three of
-// the slope), the place in the triangle by 18 u M and what is let pass by 17 u M more, the distance by 4 u M: 53 u M is what
-// walks count on. (All with the distance m of the triangle itself in place of M, which is not less: differences round alike.)
-// A slab takes 6 u M (three roundings). So boxes are widened by it: a ray that meets a triangle, as rounded, meets its box, as
-// rounded, where it does.
+// SLACK is 64 u M, M the largest distance along an axis from the ray's origin to the scene's bounds. The shear of a
+// triangle's corners misplaces them against the ray by 11 u M along each axis (three roundings a corner of magnitudes up to
+// 2 M, three of the slope), the place in the triangle by 18 u M and what is let pass by 17 u M more, the distance by 4 u M:
+// 53 u M is what walks count on. (All with the distance m of the triangle itself in place of M, which is not less:
+// differences round alike.) A slab takes 6 u M (three roundings). So boxes are widened by it: a ray that meets a triangle,
+// as rounded, meets its box, as rounded, where it does.
 // And so with spheres, whose hits lie within 53 u M of their surfaces (sphere.glsl).
 WalkRay prepareRay(Ray ray, vec3 lo, vec3 hi, float unit) {
     WalkRay r;
@@ -165,21 +165,21 @@ bool hitsPlanes(WalkRay ray, vec3 near, vec3 far, float tMax) {
 // The ray against triangle (a, b, c), both sides. If it meets it at a distance t in [ray.tMin, best.t], nearer than best or
 // as near with a lower id, and the triangle counts as an obstacle, then best becomes that hit, and the result is true.
 //
-// Ensures   Watertight: the edge functions of two triangles that share an edge are exact negatives of each other, and a sign is
-//           right or the value is zero, which counts as inside. So a ray meets at least one of the triangles around any
+// Ensures   Watertight: the edge functions of two triangles that share an edge are exact negatives of each other, and a sign
+//           is right or the value is zero, which counts as inside. So a ray meets at least one of the triangles around any
 //           edge or vertex. A ray in the triangle's plane does not meet it.
 //           The point at distance t lies within 53 u m of the triangle itself along each axis, m <= M the largest distance
 //           along an axis from the ray's origin to its corners, however edge-on it is seen: barycentric coordinates out of
 //           the edge functions would be noise there. So a walk finds the triangle in any box, cell or half-space, widened by
 //           the slack, that holds the part of it where it is hit.
-// How       With the ray as the origin and z along it, the line x = 0 cuts two edges that meet in a corner p, at (y1, z1) and
-//           (y2, z2); the hit lies between the two, at y = 0. Each quotient is of differences of like sign, so it is right to
-//           two roundings, and its product to four: 4 u |dy|, dy the extent of the edge along y. Where the edge functions'
-//           signs are those of exact arithmetic, y = 0 lies between y1 and y2 but for that: this much, and no more, is let
-//           pass (and what products below the range of normal floats may lose). As |dy| <= 4 m it is 16.25 u m, and what
-//           roundings misplace y1 or y2 by is 18 u m.
-// Source    Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", for the edge functions, without its fallback to
-//           double precision.
+// How       With the ray as the origin and z along it, the line x = 0 cuts two edges that meet in a corner p, at (y1, z1)
+//           and (y2, z2); the hit lies between the two, at y = 0. Each quotient is of differences of like sign, so it is
+//           right to two roundings, and its product to four: 4 u |dy|, dy the extent of the edge along y. Where the edge
+//           functions' signs are those of exact arithmetic, y = 0 lies between y1 and y2 but for that: this much, and no
+//           more, is let pass (and what products below the range of normal floats may lose). As |dy| <= 4 m it is 16.25 u m,
+//           and what roundings misplace y1 or y2 by is 18 u m.
+// Source    Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", for the edge functions, without its fallback
+//           to double precision.
 bool intersectTriangle(WalkRay ray, vec3 a, vec3 b, vec3 c, uint id, bool obstacle, INOUT(Hit) best) {
     precise vec3 toA = a - ray.origin;
     precise vec3 toB = b - ray.origin;

@@ -2,8 +2,8 @@
 //
 // Whoever includes this declares `frame`, scene_at(i) and FEATURES before it, and includes sampling.glsl and surface.glsl.
 
-// `light` arrives at the point (irradiance, W/m^2) unless something opaque is on `ray`. A ray that is not worth asking for has
-// tMin > tMax, and no light.
+// `light` arrives at the point (irradiance, W/m^2) unless something opaque is on `ray`. A ray that is not worth asking for
+// has tMin > tMax, and no light.
 struct ShadowRay {
     Ray ray;
     vec3 light;
@@ -70,8 +70,8 @@ uint pickEmitter(float x) {
 }
 
 // One point on one emitting triangle as seen from p: emitters are picked by area times luminance, points uniformly by area
-// [Shirley, Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"]. `key` is that of the ray which
-// found p.
+// [Shirley, Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"]. `key` is that of the ray
+// which found p.
 ShadowRay emitterRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key) {
     uint index = pickEmitter(sampleSquare(pixel, sampleIndex, 1u + 3u * key, frame.seed).x);
     vec2 square = sampleSquare(pixel, sampleIndex, 2u + 3u * key, frame.seed);

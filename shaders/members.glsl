@@ -1,5 +1,5 @@
-// Names every member of every struct that crosses the border, in order, so that a test can see whether the device finds in each
-// what the host has put there.
+// Names every member of every struct that crosses the border, in order, so that a test can see whether the device finds in
+// each what the host has put there.
 //
 // Whoever includes this declares put() for float, uint, vec3 before it.
 

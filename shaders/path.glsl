@@ -16,8 +16,8 @@ PathState beginPixel(uint pixel) {
 }
 
 // Puts off a ray below `state`'s present one until all that was put off after it is done; or discards it, if it goes deeper
-// than NIVELL_MAX or weighs less than MIN_CONTRIB: then the greatest component of its weight is added to the pixel's discarded
-// weight, which so bounds the error, times the brightest radiance. Requires room for maxDepth + 1 rays a slot.
+// than NIVELL_MAX or weighs less than MIN_CONTRIB: then the greatest component of its weight is added to the pixel's
+// discarded weight, which so bounds the error, times the brightest radiance. Requires room for maxDepth + 1 rays a slot.
 void follow(uint slot, INOUT(PathState) state, vec3 origin, vec3 direction, vec3 weight, uint key) {
     float largest = largestOf(weight);
     bool deep = state.depth + 1u > frame.maxDepth;

@@ -26,7 +26,8 @@ uint permuteBits(uint x, uint seed) {
 uint scramble(uint x, uint seed) { return bitfieldReverse(permuteBits(bitfieldReverse(x), seed)); }
 
 // The second dimension of Sobol's sequence: the generator matrix is Pascal's triangle modulo 2, whose product with i is five
-// shifted differences, upside down [Ahmed 2024, "An Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and Compact"].
+// shifted differences, upside down [Ahmed 2024, "An Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and
+// Compact"].
 uint sobol1(uint i) {
     uint x = bitfieldReverse(i);
     x ^= (x & 0x0000ffffu) << 16u;

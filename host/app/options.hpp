@@ -59,8 +59,8 @@ struct Options {
 
 /// Parses a command line.
 ///
-/// Ensures: numbers are in range; picture files end in .png, .hdr, .exr or .pfm; a folder stands for each file to be written.
-/// Nothing if help or the version was asked for, and has been printed on standard output.
+/// Ensures: numbers are in range; picture files end in .png, .hdr, .exr or .pfm; a folder stands for each file to be
+/// written. Nothing if help or the version was asked for, and has been printed on standard output.
 /// Throws Error: usage for a wrong command line (its text names the option and what is allowed), badInput for a missing
 /// output folder.
 std::optional<Options> parseOptions(int argc, const char* const* argv);

@@ -15,8 +15,8 @@ using ProgressCallback = std::function<void(double fractionDone, double raysDone
 /// out, the bar first. `seconds` is the time since the start.
 std::string progressLine(const std::string& label, double fractionDone, double raysDone, double seconds, size_t columns);
 
-/// Draws on standard error if that is a terminal and --quiet is not set; else does nothing. At most 10 updates a second, none
-/// in the first half second. The line is erased when the object ends, so nothing of it stays.
+/// Draws on standard error if that is a terminal and --quiet is not set; else does nothing. At most 10 updates a second,
+/// none in the first half second. The line is erased when the object ends, so nothing of it stays.
 class Progress {
 public:
     explicit Progress(std::string label);

@@ -27,7 +27,8 @@ struct Descriptor {
     int fd;
 };
 
-/// Returns false, and errno says why, if not all could be written. 16 MiB at a time, as a signal waits for the end of a write.
+/// Returns false, and errno says why, if not all could be written. 16 MiB at a time, as a signal waits for the end of a
+/// write.
 bool writeAll(int descriptor, std::span<const std::byte> bytes) {
     constexpr size_t most = size_t{16} << 20;
     while (!bytes.empty()) {

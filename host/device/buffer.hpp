@@ -13,8 +13,9 @@ struct BufferState;
 }
 
 /// A storage buffer; where the device loads large arrays as texels, and its size is a multiple of 16 that a texel buffer can
-/// have, it binds as texels (uvec4), too. Host transfers are complete on return, and ordered with what Commands run before and after.
-/// On devices whose memory is the host's (software, most integrated ones) they are plain copies; elsewhere they are staged.
+/// have, it binds as texels (uvec4), too. Host transfers are complete on return, and ordered with what Commands run before
+/// and after. On devices whose memory is the host's (software, most integrated ones) they are plain copies; elsewhere they
+/// are staged.
 class Buffer {
 public:
     /// Contents are undefined. Requires bytes > 0. Throws limitError if memory is short.

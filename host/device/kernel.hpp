@@ -33,9 +33,9 @@ KernelInterface reflect(std::string_view name, std::span<const uint32_t> spirv, 
 
 class Kernel {
 public:
-    /// `name` is for messages. `spirv` is needed during the call only. Cost: up to 0.2 s on lavapipe when first seen, up to 0.08 s
-    /// from the cache, and next to nothing where the device has made the same before. Refuses (RAIG_CHECK) a workgroup or
-    /// push constants beyond the device's limits. Throws deviceError if the driver cannot compile it.
+    /// `name` is for messages. `spirv` is needed during the call only. Cost: up to 0.2 s on lavapipe when first seen, up to
+    /// 0.08 s from the cache, and next to nothing where the device has made the same before. Refuses (RAIG_CHECK) a
+    /// workgroup or push constants beyond the device's limits. Throws deviceError if the driver cannot compile it.
     Kernel(Device& device, std::string_view name, std::span<const uint32_t> spirv, const Constants& constants = {});
     ~Kernel();
     Kernel(Kernel&&) noexcept;
@@ -44,7 +44,8 @@ public:
     const KernelInterface& interface() const;
 
     /// Binds for the dispatches recorded from now on; may be called again. The buffer must live until those have run.
-    /// Refuses (RAIG_CHECK) a binding that the kernel does not declare, an array of descriptors, or texels of a buffer without.
+    /// Refuses (RAIG_CHECK) a binding that the kernel does not declare, an array of descriptors, or texels of a buffer
+    /// without.
     void bind(uint32_t binding, const Buffer& buffer);
     /// A BigArray binds to storage or texel descriptors, as declared; refused if it has more chunks than those.
     void bind(uint32_t binding, const BigArray& array);

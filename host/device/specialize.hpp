@@ -13,8 +13,8 @@ namespace raig::vk {
 ///
 /// Requires  constants of 32 bits, all of them declared (reflect() refuses others).
 /// Ensures   no instruction that stays is changed, but for those whose operands are all constant: results are the same bits,
-///           as arithmetic is IEEE 754's, and no kernel takes a sine or the like of a constant. Bindings that nothing uses any
-///           more are gone.
+///           as arithmetic is IEEE 754's, and no kernel takes a sine or the like of a constant. Bindings that nothing uses
+///           any more are gone.
 /// Cost      20 ms for the largest of raig's kernels.
 /// Errors    RAIG_CHECK where `spirv` cannot be read.
 std::vector<uint32_t> specialize(std::string_view name, std::span<const uint32_t> spirv, const Constants& constants);

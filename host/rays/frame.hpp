@@ -1,13 +1,13 @@
 /// Pictures: camera rays, and below each the lecture's recursion, turned into steps over many pixels at a time.
 ///
-/// Radiance of a ray is what the surface it meets emits, what it scatters of the light that reaches it (each light, one point of
-/// the emitting triangles a sample, and ambient light from everywhere), and what arrives along the reflected and the
-/// transmitted ray, weighted by K_R and K_T. A ray is followed down to NIVELL_MAX and while its weight in the pixel is at least
-/// MIN_CONTRIB. Source: Whitted 1980, "An Improved Illumination Model for Shaded Display"; Hall and Greenberg 1983, "A Testbed
-/// for Realistic Image Synthesis" (adaptive recursion).
+/// Radiance of a ray is what the surface it meets emits, what it scatters of the light that reaches it (each light, one
+/// point of the emitting triangles a sample, and ambient light from everywhere), and what arrives along the reflected and
+/// the transmitted ray, weighted by K_R and K_T. A ray is followed down to NIVELL_MAX and while its weight in the pixel is
+/// at least MIN_CONTRIB. Source: Whitted 1980, "An Improved Illumination Model for Shaded Display"; Hall and Greenberg 1983,
+/// "A Testbed for Realistic Image Synthesis" (adaptive recursion).
 ///
-/// Devices and the CPU run the same code, shaders/frame.glsl. The same command gives the same bits, whatever the tile size, the
-/// number of threads, or the run.
+/// Devices and the CPU run the same code, shaders/frame.glsl. The same command gives the same bits, whatever the tile size,
+/// the number of threads, or the run.
 #pragma once
 
 #include "rays/tracer.hpp"
@@ -65,11 +65,12 @@ Picture renderPicture(const Scene& scene, const Geometry& geometry, Tracer& trac
 
 /// Renders on a Vulkan device. Keep it for several pictures of one scene: its data and kernels stay on the device.
 ///
-/// No dispatch is longer than the device stands (50 ms on hardware, 2 s on software devices), as tiles are sized by measured time.
+/// No dispatch is longer than the device stands (50 ms on hardware, 2 s on software devices), as tiles are sized by measured
+/// time.
 class DeviceFrame {
 public:
-    /// Requirements of scene, geometry and tracer as for renderPicture; `tracer` traces on `device`, and both outlive this, as
-    /// does `scene`. Throws limitError if the scene does not fit.
+    /// Requirements of scene, geometry and tracer as for renderPicture; `tracer` traces on `device`, and both outlive this,
+    /// as does `scene`. Throws limitError if the scene does not fit.
     DeviceFrame(Device& device, const Scene& scene, const Geometry& geometry, DeviceTracer& tracer);
     ~DeviceFrame();
     DeviceFrame(const DeviceFrame&) = delete;

@@ -41,8 +41,8 @@ struct BinaryTree {
     }
 };
 
-/// Gives every inner node up to `arity` children, by taking in those of the child with the largest area, time and again: what a
-/// ray visits least often goes first. O(nodes).
+/// Gives every inner node up to `arity` children, by taking in those of the child with the largest area, time and again:
+/// what a ray visits least often goes first. O(nodes).
 /// Source: Wald, Benthin, Boulos 2008, "Getting Rid of Packets".
 void widen(BinaryTree& tree, uint32_t arity);
 

@@ -1,7 +1,7 @@
 /// The builders of bvh: binary trees over boxes, each by another way of splitting.
 ///
-/// All are deterministic for any number of threads, and require 1 <= maxLeaf. References whose centroids coincide are halved by
-/// order, and so is everything below depth 32: no tree is deeper than 32 + log2(n).
+/// All are deterministic for any number of threads, and require 1 <= maxLeaf. References whose centroids coincide are halved
+/// by order, and so is everything below depth 32: no tree is deeper than 32 + log2(n).
 #pragma once
 
 #include "structures/binary_tree.hpp"
@@ -16,18 +16,18 @@ namespace raig {
 /// Source: Wald 2007, "On fast Construction of SAH-based Bounding Volume Hierarchies".
 BinaryTree buildBinnedSah(std::vector<BoxReference> references, uint32_t maxLeaf, const SahCosts& costs);
 
-/// Surface area heuristic over every place between two centroids, on all axes: the best that splitting centroids can do, node
-/// by node. O(n log^2 n).
-/// Source: Goldsmith and Salmon 1987, "Automatic Creation of Object Hierarchies for Ray Tracing"; Wald, Boulos, Shirley 2007,
-/// "Ray Tracing Deformable Scenes using Dynamic Bounding Volume Hierarchies".
+/// Surface area heuristic over every place between two centroids, on all axes: the best that splitting centroids can do,
+/// node by node. O(n log^2 n).
+/// Source: Goldsmith and Salmon 1987, "Automatic Creation of Object Hierarchies for Ray Tracing"; Wald, Boulos, Shirley
+/// 2007, "Ray Tracing Deformable Scenes using Dynamic Bounding Volume Hierarchies".
 BinaryTree buildSweepSah(std::vector<BoxReference> references, uint32_t maxLeaf, const SahCosts& costs);
 
 /// Halves the references along the axis on which they spread most, down to maxLeaf. O(n log n).
 /// Source: Kay and Kajiya 1986, "Ray Tracing Complex Scenes".
 BinaryTree buildMedian(std::vector<BoxReference> references, uint32_t maxLeaf);
 
-/// Sorts the centroids along a Morton curve, 21 bits an axis, and splits where the highest bit changes, down to maxLeaf. O(n log n),
-/// the fastest of all.
+/// Sorts the centroids along a Morton curve, 21 bits an axis, and splits where the highest bit changes, down to maxLeaf.
+/// O(n log n), the fastest of all.
 /// Source: Lauterbach et al. 2009, "Fast BVH Construction on GPUs".
 BinaryTree buildMorton(std::vector<BoxReference> references, uint32_t maxLeaf);
 

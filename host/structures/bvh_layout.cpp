@@ -51,8 +51,8 @@ struct NodeBounds {
     std::vector<Kdop> kdops;
 };
 
-/// A point, in the structure's unit, as seen from the scene's lower corner: so that far from the origin of coordinates, sums of
-/// coordinates are as exact as they can be. It is rounded by less than the slack of the walk.
+/// A point, in the structure's unit, as seen from the scene's lower corner: so that far from the origin of coordinates, sums
+/// of coordinates are as exact as they can be. It is rounded by less than the slack of the walk.
 vec3 fromCorner(const vec3& point, const StructureHeader& header) { return point - header.gridOrigin; }
 
 /// The corners of the triangles below each node in turn, and its spheres (three times each), from the scene's lower corner.

@@ -6,8 +6,8 @@
 
 namespace raig::bvh {
 
-/// Fills in structure.nodes, walk, header.walk and the grid of header, as `params` asks for; a remark where the memory budget
-/// allows one copy of the tree only. Requires header.lo, hi and nodeCount, and options that bvh offers, the
+/// Fills in structure.nodes, walk, header.walk and the grid of header, as `params` asks for; a remark where the memory
+/// budget allows one copy of the tree only. Requires header.lo, hi and nodeCount, and options that bvh offers, the
 /// arity among them.
 /// Throws limitError if the nodes and references exceed the budget all the same.
 /// O(nodes), the octants in parallel; other bounds than boxes take O(depth) looks at each triangle.

@@ -5,11 +5,11 @@
 /// a hit for rays that start not too far away, and those from farther are walked in another way, slower
 /// (shaders/structures/grid.glsl, where the layout of nodes[] is described, too).
 ///
-/// At two levels cells are larger, and those with many triangles are divided once more, by a power of two along each axis; and
-/// so again are parts that hold very many still, as where there are small things in a large place: two uniform divisions alone
-/// do not get from a stadium to the triangles of a teapot. What is in a part is grown by a margin that is fit for rays that
-/// start within a certain reach of it, others test the cell's list: so the margin is in proportion to the part, not to the
-/// scene.
+/// At two levels cells are larger, and those with many triangles are divided once more, by a power of two along each axis;
+/// and so again are parts that hold very many still, as where there are small things in a large place: two uniform divisions
+/// alone do not get from a stadium to the triangles of a teapot. What is in a part is grown by a margin that is fit for rays
+/// that start within a certain reach of it, others test the cell's list: so the margin is in proportion to the part, not to
+/// the scene.
 ///
 /// All planes are float numbers without rounding: gridOrigin and gridStep over 2^k, the finest division, are multiples of a
 /// power of two q of which no plane's coordinate is more than 2^24. So builder and walk mean the same planes.

@@ -12,8 +12,8 @@ namespace {
 
 using Fault = std::optional<std::string>;
 
-/// The rays that the near walk takes may be misplaced by 67/80 of the margin, and in parts by 57/64 of theirs: triangles that
-/// come nearer to a cell must be in its list. Farther than the margin, and something for rounding, they must not.
+/// The rays that the near walk takes may be misplaced by 67/80 of the margin, and in parts by 57/64 of theirs: triangles
+/// that come nearer to a cell must be in its list. Farther than the margin, and something for rounding, they must not.
 constexpr double leastMargin = 67.0 / 80.0, leastPartMargin = 57.0 / 64.0, mostMargin = 1.0 + 0x1p-20;
 
 uint32_t wordAt(const Structure& structure, uint64_t index) {

@@ -28,8 +28,8 @@ struct Lattice {
     size_t index(const uvec3& cell) const { return cell.x + size_t{count.x} * (cell.y + size_t{count.y} * cell.z); }
 };
 
-/// Where in a grid a cell is, or a part of one: its first plane along each axis, in the finest division; and log2 of how many
-/// times finer than a cell it is, along the longest axis.
+/// Where in a grid a cell is, or a part of one: its first plane along each axis, in the finest division; and log2 of how
+/// many times finer than a cell it is, along the longest axis.
 struct Place {
     uvec3 first{0};
     uint32_t wanted = 0;
@@ -44,8 +44,8 @@ struct Shape {
 
     /// log2 of how many times finer each axis of such a place is than a cell's.
     uvec3 logs(uint32_t wanted) const;
-    /// How far away, along an axis, rays may start for which such parts are good, all of a block: so far that roundings are a
-    /// sixteenth of a part, but no farther than near rays come from.
+    /// How far away, along an axis, rays may start for which such parts are good, all of a block: so far that roundings are
+    /// a sixteenth of a part, but no farther than near rays come from.
     float reachOf(const Lattice& parts) const;
     /// The parts of a cell or a part, 2^more along the longest axis, with margins for rays from within reachOf() them.
     Lattice parts(const Place& place, uint32_t more) const;

@@ -106,9 +106,10 @@ InstanceSpace instanceSpace(const shared::Placement& inner, const Box& bounds, c
     return space;
 }
 
-// A bottom may be kept if the slack of a ray from a scene's extent away is less than 1/256 of the bottom's size; or, where things
-// are so small in the scene that it is more, if it is no more than 64 times that of the scene written out, which every structure
-// has to stand: rotations and like scales widen it some 5 times, a scale of 10 along one axis up to 50 times.
+// A bottom may be kept if the slack of a ray from a scene's extent away is less than 1/256 of the bottom's size; or, where
+// things are so small in the scene that it is more, if it is no more than 64 times that of the scene written out, which
+// every structure has to stand: rotations and like scales widen it some 5 times, a scale of 10 along one axis up to 50
+// times.
 bool fits(const shared::Placement& inner, const Box& bounds, float extent) {
     if (bounds.empty()) return false;
     const std::array<dvec4, 3> m = rowsOf(inner);

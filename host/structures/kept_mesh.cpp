@@ -12,8 +12,8 @@ namespace raig {
 
 namespace {
 
-/// Whether placing a vertex takes the same roundings in the structure's units of length as in the scene's, and on devices that
-/// take numbers below the normal ones for zero: whether all it comes past is zero, or well within the range of floats.
+/// Whether placing a vertex takes the same roundings in the structure's units of length as in the scene's, and on devices
+/// that take numbers below the normal ones for zero: whether all it comes past is zero, or well within the range of floats.
 class ScaleCheck {
 public:
     ScaleCheck(float bottomUnit, float sceneUnit)

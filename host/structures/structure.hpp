@@ -131,8 +131,8 @@ struct StructureType {
     /// Throws usageError for a parameter it does not offer.
     Structure (*build)(std::span<const Primitive>, const BuildParams&);
     /// Names the first broken invariant, or nothing if all hold: then every walk ends, reads only what is there, and finds
-    /// what it should. Stands any values in nodes, triangles and header, as they may come from a file; a header.walk that the
-    /// structure does not have is a fault.
+    /// what it should. Stands any values in nodes, triangles and header, as they may come from a file; a header.walk that
+    /// the structure does not have is a fault.
     std::optional<std::string> (*findFault)(const Structure&, std::span<const Primitive>);
 };
 

@@ -31,8 +31,8 @@ inline uint32_t halve(const Range& range, BinaryNode& node) {
     return range.count / 2;
 }
 
-/// Builds a tree by `split(range, node)`, which orders the range, sets the node's axis, and returns how many references go left:
-/// 0 makes a leaf. It is called from several threads, for ranges that do not overlap.
+/// Builds a tree by `split(range, node)`, which orders the range, sets the node's axis, and returns how many references go
+/// left: 0 makes a leaf. It is called from several threads, for ranges that do not overlap.
 template <class Split>
 class TopDown {
 public:

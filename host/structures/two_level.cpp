@@ -269,8 +269,8 @@ Structure buildTwoLevels(const PlacedScene& scene, const StructureType& type, co
     if (all.empty()) return type.build({}, params);
     if (all.size() == 1 && all.front().mesh == Bottom::writtenOut) return std::move(all.front().structure);
     if (!sameWalk(all)) {
-        // One kernel walks them all. What they differ in is the precision that suits each, or if grids are nested: so all get
-        // the higher, or are.
+        // One kernel walks them all. What they differ in is the precision that suits each, or if grids are nested: so all
+        // get the higher, or are.
         BuildParams same = params;
         if (type.name == "grid")
             same.nestsGrids = true;

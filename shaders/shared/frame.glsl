@@ -1,7 +1,7 @@
 // A picture in the making, as it lies in memory on both sides of the border.
 //
-// A frame is rendered in tiles. Each pixel of a tile has a slot, which follows one ray at a time: first the camera ray of each
-// sample, then, depth first, the reflected and transmitted rays below it.
+// A frame is rendered in tiles. Each pixel of a tile has a slot, which follows one ray at a time: first the camera ray of
+// each sample, then, depth first, the reflected and transmitted rays below it.
 #ifndef RAIG_SHARED_FRAME
 #define RAIG_SHARED_FRAME
 

@@ -5,8 +5,8 @@
 // No primitive: the ray hits nothing.
 const uint NO_HIT = 0xffffffffu;
 
-// origin + t * direction for t in [tMin, tMax]. The direction need not be unit length. A ray with a NaN or infinite component,
-// no direction, or tMin > tMax hits nothing.
+// origin + t * direction for t in [tMin, tMax]. The direction need not be unit length. A ray with a NaN or infinite
+// component, no direction, or tMin > tMax hits nothing.
 struct Ray {
     vec3 origin;
     float tMin;

@@ -3,9 +3,10 @@
 // Requires  nodes[] and triangles[] as built by host/structures/bsp.cpp (host/structures/bsp.hpp says how they lie).
 // Ensures   as every walk (shaders/trace.glsl).
 // Cost      Front to back. Where a ray passes both sides of a plane, the farther side waits: the last four that do are kept
-//           in registers, and for those before them the walk goes down from the root again, led by a trail of one bit a level.
-// Source    Ize, Wald, Parker 2008, "Ray Tracing with the BSP Tree"; Laine 2010, "Restart Trail for Stackless BVH Traversal";
-//           Vaidyanathan et al. 2019, "Wide BVH Traversal with a Short Stack".
+//           in registers, and for those before them the walk goes down from the root again, led by a trail of one bit a
+//           level.
+// Source    Ize, Wald, Parker 2008, "Ray Tracing with the BSP Tree"; Laine 2010, "Restart Trail for Stackless BVH
+//           Traversal"; Vaidyanathan et al. 2019, "Wide BVH Traversal with a Short Stack".
 //
 // Planes are n . x = d in coordinates relative to gridOrigin = lo, with |n| = |nx| + |ny| + |nz| <= 1. A ray is at signed
 // distance s(t) = s0 + t * speed from it. What lies on one side has s <= 0, on the other s >= 0, and the walk asks for the t
@@ -94,8 +95,8 @@ void restartBsp(BspRay b, INOUT(BspPlace) place) {
     place.tested = 0u;
 }
 
-// To the deepest side that waits; or to the end, if there is none or what was hit is nearer. Each call makes the trail larger,
-// as a number, and takes one of the tree's sides: so a walk makes no more of them than there are nodes.
+// To the deepest side that waits; or to the end, if there is none or what was hit is nearer. Each call makes the trail
+// larger, as a number, and takes one of the tree's sides: so a walk makes no more of them than there are nodes.
 void leaveCell(BspRay b, float tMax, INOUT(BspPlace) place, INOUT(uvec4) at) {
     bool low = place.waitsLow != 0u;
     uint waits = pick(low, place.waitsLow, place.waitsHigh);

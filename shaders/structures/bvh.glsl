@@ -26,8 +26,9 @@ struct NodeSpace {
     vec3 leaveBase;
     uint first;     // of the ray's tree
 
-    // For bounds other than boxes. Places are wrong by less than margin: 256 u M, for the hit's slack along an axis that lies
-    // across the coordinates' (64 u M times 1.8), and for the sums of three products here (at most 20 u M, along rays too).
+    // For bounds other than boxes. Places are wrong by less than margin: 256 u M, for the hit's slack along an axis that
+    // lies across the coordinates' (64 u M times 1.8), and for the sums of three products here (at most 20 u M, along rays
+    // too).
     float margin;
     vec3 from;          // the origin, as seen from the scene's lower corner, as such bounds are
     vec3 along;         // the direction
@@ -77,7 +78,8 @@ void cutSlabs(vec3 lo, vec3 hi, vec3 from, vec3 per, float margin, INOUT(vec2) s
     span.y = lesser(span.y, lesser(greater(first.x, second.x), lesser(greater(first.y, second.y), greater(first.z, second.z))));
 }
 
-// A sphere about `centre`: where the ray passes it no farther off than `radius` and the margin, within that of its nearest point.
+// A sphere about `centre`: where the ray passes it no farther off than `radius` and the margin, within that of its nearest
+// point.
 bool hitsSphere(WalkRay ray, NodeSpace space, vec3 centre, float radius, float tMax) {
     vec3 toCentre = centre - space.from;
     float nearest = dot(toCentre, space.along) * space.perSquare;
@@ -223,8 +225,8 @@ WalkRay pick(bool first, WalkRay a, WalkRay b) {
 }
 
 // Two walks from their beginnings, step by step in turn: a software device computes one while it waits for the other. A
-// primitive is tested for one of the two only: seldom does either hold a leaf, and such devices compute the test even where no
-// lane needs it. Where both do, the second waits.
+// primitive is tested for one of the two only: seldom does either hold a leaf, and such devices compute the test even where
+// no lane needs it. Where both do, the second waits.
 void walkPair(WalkRay rayA, WalkRay rayB, INOUT(uvec4) atA, INOUT(uvec4) atB, uint maxSteps, INOUT(Hit) bestA, INOUT(Hit) bestB) {
     NodeSpace spaceA = prepareNodes(rayA);
     NodeSpace spaceB = prepareNodes(rayB);

@@ -42,8 +42,8 @@ vec3 planeDistances(WalkRay ray, GridRay grid, uvec3 fine) {
     return distance;
 }
 
-// Of `count` divisions from plane `first` on, 2^sizeLogs finest planes long: the one before `number` where the ray, at distance
-// t, has not come as far, along each axis. The first one that it meets stays.
+// Of `count` divisions from plane `first` on, 2^sizeLogs finest planes long: the one before `number` where the ray, at
+// distance t, has not come as far, along each axis. The first one that it meets stays.
 uvec3 stepBack(WalkRay ray, GridRay grid, uvec3 first, uvec3 sizeLogs, uvec3 count, uvec3 number, float t) {
     vec3 enter = planeDistances(ray, grid, first + ((number + uvec3(1u) - grid.ahead) << sizeLogs));
     uvec3 back = uvec3(grid.ahead.x == 1u ? max(number.x, 1u) - 1u : min(number.x + 1u, count.x - 1u),
@@ -52,7 +52,8 @@ uvec3 stepBack(WalkRay ray, GridRay grid, uvec3 first, uvec3 sizeLogs, uvec3 cou
     return uvec3(enter.x > t ? back.x : number.x, enter.y > t ? back.y : number.y, enter.z > t ? back.z : number.z);
 }
 
-// From a division's lower planes to those of its neighbour behind the nearest of the three planes ahead, which is at distance t.
+// From a division's lower planes to those of its neighbour behind the nearest of the three planes ahead, which is at
+// distance t.
 uvec3 stepAhead(WalkRay ray, GridRay grid, uvec3 first, uvec3 sizeLogs, INOUT(float) t) {
     vec3 leave = planeDistances(ray, grid, first + (grid.ahead << sizeLogs));
     bool alongX = leave.x <= leave.y && leave.x <= leave.z;

@@ -3,8 +3,9 @@
 //
 // nodes[0]: cells along x, y, z, and the margin's bits. nodes[1]: where reference lists begin (which uvec4), how many words
 // they are, how finely each axis divides (shift | most << 4, eight bits an axis), 0. Then words, four to a uvec4:
-//   a cell       0: nothing in it; or 1 + the first word of its list; or CROWDED | log2 of the parts along an axis << 28 | its
-//                parts: 1/8 of the number of the word that holds its own list as above, eight words before its first part
+//   a cell       0: nothing in it; or 1 + the first word of its list; or CROWDED | log2 of the parts along an axis << 28 |
+//                its parts: 1/8 of the number of the word that holds its own list as above, eight words before its first
+//                part
 //   a reference  the number of a triangle; LAST with the last one of a list
 //
 // Plane k of the grid lies at gridOrigin + k * gridStep, and so do those between (k is a fraction then): exactly, as the
@@ -12,21 +13,21 @@
 //
 // A step   goes to the neighbour behind the nearest of the three planes ahead, along exactly one axis; distances to planes
 //          come from their numbers, not from each other. Rounded, they still never decrease from plane to plane. So for
-//          every distance t from the grid's near side to its far side the walk meets a cell, neither skipped nor repeated, of
-//          which (as rounded) no plane ahead is nearer than t and none behind is farther. The point at t then lies within
+//          every distance t from the grid's near side to its far side the walk meets a cell, neither skipped nor repeated,
+//          of which (as rounded) no plane ahead is nearer than t and none behind is farther. The point at t then lies within
 //          3 u M of that cell, and a triangle hit at t within SLACK of the point, so within 67 u M of the cell: it is in the
 //          cell's list if 67 u M <= margin. And it is in the list of a cell met so far if t <= the distance to the nearest
 //          plane ahead: this ends the walk, at equality, too.
-// Far off  a ray with 80 u M > margin walks slice by slice instead, along its main axis: it visits all cells of a slice within
-//          80 u M of where it passes the slice. Where that is the whole grid, it tries every triangle.
+// Far off  a ray with 80 u M > margin walks slice by slice instead, along its main axis: it visits all cells of a slice
+//          within 80 u M of where it passes the slice. Where that is the whole grid, it tries every triangle.
 //
 // Requires  nodes[] and triangles[] as built by host/structures/grid.cpp for header.walk: how many levels, less one.
 // Ensures   as every walk (shaders/trace.glsl).
 // Cost      Near: a walk meets at most one cell more than it passes planes. Links of a damaged structure cannot make it
 //           loop, as indices of cells only move on; a list that runs on beyond the last does not end, which whoever makes
 //           the walk notices after mostSteps().
-// Source    Amanatides, Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing", without its sums; two levels: Kalojanov,
-//           Billeter, Slusallek 2011, "Two-Level Grids for Ray Tracing on GPUs".
+// Source    Amanatides, Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing", without its sums; two levels:
+//           Kalojanov, Billeter, Slusallek 2011, "Two-Level Grids for Ray Tracing on GPUs".
 
 #define HAS_WALK(walk) ((walk) < 2u)  // for host/rays/cpu_walk.cpp.in
 
@@ -51,8 +52,8 @@ struct Division {
 
 // The lower planes of that of `count` divisions from plane `first` on, 2^sizeLogs finest planes long, in which the ray is at
 // distance t as the walk has it: none of the planes behind is farther than t. Requires that t lies between the distances to
-// the first and the last plane. The point at t is wrong by 9 u M at most, and its number by 2^-8: less than a division, so that
-// one correction is enough.
+// the first and the last plane. The point at t is wrong by 9 u M at most, and its number by 2^-8: less than a division, so
+// that one correction is enough.
 uvec3 divisionAt(WalkRay ray, GridRay grid, uvec3 first, uvec3 sizeLogs, uvec3 count, float t) {
     precise vec3 point = grid.toOrigin + t * grid.direction;
     precise vec3 fine = point * grid.fineInverse - floats(first);

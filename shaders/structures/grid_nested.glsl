@@ -4,18 +4,19 @@
 // nodes[] is as in grid.glsl, but for
 //   a block      what a crowded cell's word leads to: eight words: what holds the cell's own list; the bits of its reach; 0.
 //                Then one word a part, as of a cell: so it may be crowded, too
-// The walk is that of grid.glsl; there stands why none is lost in cells, and why it ends. As parts are steps like cells, what
-// is left to show is that a hit at t is in the list of the part that the walk meets at t.
+// The walk is that of grid.glsl; there stands why none is lost in cells, and why it ends. As parts are steps like cells,
+// what is left to show is that a hit at t is in the list of the part that the walk meets at t.
 //
 // Parts    are met only if no point of the crowded cell is farther than the block's reach R from the ray's origin, along an
 //          axis; else the cell's own list is tested. Then all that rounds is in proportion to R. The distance to a plane of
 //          the cell is right to three roundings and u / 8 (steep), so the point at t lies within 3.2 u R of the part met
-//          there. A hit at t of a triangle of extent E (the largest along an axis) lies within 53 u m of it (intersect.glsl),
-//          and its corners within E + 53 u m of the point: m <= (R + E) (1 + 57 u), and the triangle comes within 57 u (R + E)
-//          of the part. Parts hold those of their cell's own list that come within 64 u (R + E): and so on, part by part, as
-//          the triangle is in the own list of every cell around. No distance to anything outside of the cell is in it.
-//          Of spheres E is the diameter, and the same holds: their hits are as near (sphere.glsl).
-//          In an instance hits are off by what the ray's tolerance says, not by distances there: this is asked to be within R.
+//          there. A hit at t of a triangle of extent E (the largest along an axis) lies within 53 u m of it
+//          (intersect.glsl), and its corners within E + 53 u m of the point: m <= (R + E) (1 + 57 u), and the triangle comes
+//          within 57 u (R + E) of the part. Parts hold those of their cell's own list that come within 64 u (R + E): and so
+//          on, part by part, as the triangle is in the own list of every cell around. No distance to anything outside of the
+//          cell is in it. Of spheres E is the diameter, and the same holds: their hits are as near (sphere.glsl).
+//          In an instance hits are off by what the ray's tolerance says, not by distances there: this is asked to be within
+//          R.
 //
 // Requires  nodes[] and triangles[] as built by host/structures/grid.cpp, nested.
 // Ensures   as every walk (shaders/trace.glsl).
@@ -104,8 +105,8 @@ bool wasIn(uvec3 apart, uvec3 sizeLogs) {
     return (bits.x | bits.y | bits.z) == 0u;
 }
 
-// Into the parts of the crowded cell that the division is, if the ray may be; else to its own list. Where the last step did not
-// leave the cell, its planes tell the part; where it came into it, the ray does.
+// Into the parts of the crowded cell that the division is, if the ray may be; else to its own list. Where the last step did
+// not leave the cell, its planes tell the part; where it came into it, the ray does.
 void enterBlock(WalkRay ray, GridRay grid, uint word, INOUT(Division) d) {
     uvec4 block = nodes_at(min((word & 0x0fffffffu) * 2u, grid.lists - 1u));
     COUNT_NODE(true)
@@ -180,8 +181,8 @@ void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
     d.blockFirst = uvec3(0u);
     d.blockLogs = uvec3(0u);
     d.resumes = begins ? 0u : at.w | RESUMES;
-    // A walk that is in between is taken on to the next division: so it stands where it can be taken up again. The way back to
-    // there does not count: so it comes on, however few steps it may make.
+    // A walk that is in between is taken on to the next division: so it stands where it can be taken up again. The way back
+    // to there does not count: so it comes on, however few steps it may make.
     uint counts = 1u;
     for (uint step = 0u; !d.done && (step < maxSteps || !d.seen); step += counts) {
         counts = d.resumes != 0u ? 0u : 1u;

@@ -1,9 +1,9 @@
 // Finds the closest triangle that `ray` hits, walking a kd-tree without a stack.
 //
-// A cell is visited if the ray meets it, widened by the slack of all boxes (ray.reach), no later than the best hit: so a hit,
-// which lies within the slack of some point of its triangle, is found in the leaf that holds this point. The ray crosses the
-// plane of a node at t; it is in the cell from `enter` to `leave`, both with slack. Which half comes first is the direction's
-// to say, so that t needs no sign. The four cases of the lecture, the direction pointing up:
+// A cell is visited if the ray meets it, widened by the slack of all boxes (ray.reach), no later than the best hit: so a
+// hit, which lies within the slack of some point of its triangle, is found in the leaf that holds this point. The ray
+// crosses the plane of a node at t; it is in the cell from `enter` to `leave`, both with slack. Which half comes first is
+// the direction's to say, so that t needs no sign. The four cases of the lecture, the direction pointing up:
 //     A   below only           leave <  t - reach
 //     A'  above only           enter >  t + reach
 //     B   below, then above    the others; B', where the direction points down: above, then below
@@ -12,13 +12,14 @@
 // Requires  nodes[] and triangles[] as built by host/structures/kdtree.cpp.
 // Ensures   as every walk (shaders/trace.glsl).
 // Cost      no stack: a trail of one bit a level tells where the second half was taken, and the walk begins again from the
-//           last node above which nothing is due. WALK_SHORT_STACK has the last two halves that are due in registers and seldom
-//           does. Each beginning sets a bit of the trail and clears lower ones, so it only grows; node numbers grow on the way
-//           down, places grow in a list, and there are no more beginnings than nodes. A link that leads backwards or out
-//           leads nowhere: such a walk does not end, and whoever makes it notices after mostSteps().
-// Source    Laine 2010, "Restart Trail for Stackless BVH Traversal"; Foley, Sugerman 2005, "KD-Tree Acceleration Structures for
-//           a GPU Raytracer"; Horn et al. 2007, "Interactive k-D Tree GPU Raytracing" (short stack, push-down). Neighbour
-//           links [Popov et al. 2007] would need to follow several cells at once where the slack reaches into them.
+//           last node above which nothing is due. WALK_SHORT_STACK has the last two halves that are due in registers and
+//           seldom does. Each beginning sets a bit of the trail and clears lower ones, so it only grows; node numbers grow
+//           on the way down, places grow in a list, and there are no more beginnings than nodes. A link that leads backwards
+//           or out leads nowhere: such a walk does not end, and whoever makes it notices after mostSteps().
+// Source    Laine 2010, "Restart Trail for Stackless BVH Traversal"; Foley, Sugerman 2005, "KD-Tree Acceleration Structures
+//           for a GPU Raytracer"; Horn et al. 2007, "Interactive k-D Tree GPU Raytracing" (short stack, push-down).
+//           Neighbour links [Popov et al. 2007] would need to follow several cells at once where the slack reaches into
+//           them.
 
 #define HAS_WALK(walk) ((walk) <= WALK_SHORT_STACK)  // for host/rays/cpu_walk.cpp.in
 
@@ -76,8 +77,8 @@ void stepDown(WalkRay ray, uvec2 trail, INOUT(Descent) s) {
     uint first = pick(up, node.z, node.w);
     uint second = pick(up, node.w, node.z);
 
-    // Whether the ray is in the first half does not depend on the best hit, and in the second it can only cease to be: so the
-    // trail means the same however far the search has come.
+    // Whether the ray is in the first half does not depend on the best hit, and in the second it can only cease to be: so
+    // the trail means the same however far the search has come.
     bool beforePlane = s.here.enter <= to;
     bool beyondPlane = from <= s.here.leave;
     bool isFirst = first != EMPTY;
@@ -167,8 +168,8 @@ bool stepBack(bool does, float tMax, INOUT(uvec4) at, INOUT(Descent) s) {
     return left;
 }
 
-// at.xy: the trail, one bit a level from the top: set where the second half was taken after the first. at.z: the node, or the
-// place in a leaf's list | LEAF. at.w: how often the walk stepped back, or DONE.
+// at.xy: the trail, one bit a level from the top: set where the second half was taken after the first. at.z: the node, or
+// the place in a leaf's list | LEAF. at.w: how often the walk stepped back, or DONE.
 void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
     uvec4 sizes = nodes_at(0u);
     Descent s = beginning(ray, sizes.x);

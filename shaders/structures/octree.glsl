@@ -1,20 +1,22 @@
 // Finds the closest triangle that `ray` hits, walking an octree without a stack.
 //
-// A cell is visited if the ray meets it, widened by the slack of all boxes (ray.reach), no later than the best hit: so a hit,
-// which lies within the slack of some point of its triangle, is found in the leaf that holds this point. Which of a cell's
-// eight parts are met is found at once, from where the ray crosses its three middle planes. They are visited in the order of
-// octants as seen along the ray (`down` turns the axes that it descends): none is behind one that comes later.
+// A cell is visited if the ray meets it, widened by the slack of all boxes (ray.reach), no later than the best hit: so a
+// hit, which lies within the slack of some point of its triangle, is found in the leaf that holds this point. Which of a
+// cell's eight parts are met is found at once, from where the ray crosses its three middle planes. They are visited in the
+// order of octants as seen along the ray (`down` turns the axes that it descends): none is behind one that comes later.
 //
 // The path is the trail: the position of the cell as three integers, turned like the octants, one bit a level and axis. From
-// it planes follow, and so when the ray is in any cell on the way; and the part that comes next is the path's number, plus one.
+// it planes follow, and so when the ray is in any cell on the way; and the part that comes next is the path's number, plus
+// one.
 //
 // Requires  nodes[] and triangles[] as built by host/structures/octree.cpp.
 // Ensures   as every walk (shaders/trace.glsl).
 // Cost      no stack: where something is due above, the walk goes back to it through two registers or from the root. Each
 //           time the path's number grows: so the walk ends, whatever the links, if after ages where one leads back: whoever
 //           makes it notices after mostSteps(). Empty octants are never fetched.
-// Source    Laine 2010, "Restart Trail for Stackless BVH Traversal"; Revelles et al. 2000, "An Efficient Parametric Algorithm
-//           for Octree Traversal" (the planes' distances; not halved from those above here, which would add up roundings).
+// Source    Laine 2010, "Restart Trail for Stackless BVH Traversal"; Revelles et al. 2000, "An Efficient Parametric
+//           Algorithm for Octree Traversal" (the planes' distances; not halved from those above here, which would add up
+//           roundings).
 
 CONSTANT uint LEAF = 0x80000000u;
 CONSTANT uint EMPTY = 0xffffffffu;
@@ -68,8 +70,8 @@ vec3 crossing(WalkRay ray, uvec3 steps, bvec3 down) {
 
 float entering(Cell cell) { return maxOf(maxOf(cell.enter.x, cell.enter.y), cell.enter.z); }
 
-// Which of the parts of a cell the ray meets, if along each axis it is in the lower half from `enter` to `middleLeave` and in
-// the upper one from `middleEnter` to `leave`.
+// Which of the parts of a cell the ray meets, if along each axis it is in the lower half from `enter` to `middleLeave` and
+// in the upper one from `middleEnter` to `leave`.
 uint partsMet(vec3 enter, vec3 middleEnter, vec3 middleLeave, vec3 leave) {
     float e0 = maxOf(enter.x, enter.y);
     float e1 = maxOf(middleEnter.x, enter.y);
@@ -174,8 +176,8 @@ bool stepBack(WalkRay ray, bool does, float tMax, INOUT(Descent) s) {
     return isDue && isInTime;
 }
 
-// at.xyz: the path, doubled; in x also, as the lowest bit set, half the width of the cell where it is to be chosen. at.w: 0, or
-// the place in a leaf's list, or DONE.
+// at.xyz: the path, doubled; in x also, as the lowest bit set, half the width of the cell where it is to be chosen. at.w: 0,
+// or the place in a leaf's list, or DONE.
 void walk(WalkRay ray, INOUT(uvec4) at, uint maxSteps, INOUT(Hit) best) {
     uvec4 sizes = nodes_at(0u);
     Descent s;
