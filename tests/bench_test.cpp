@@ -120,8 +120,8 @@ TEST(Quartiles, LieBetweenValues) {
 }
 
 TEST(BenchCommand, TellsSpeedsOfAllSetsAsJson) {
-    const ProgramResult result = runProgram(RAIG_PROGRAM, {"bench", RAIG_SOURCE_DIR "/assets/cornell_box.gltf", "--side", "64",
-                                                           "--repeat", "2", "--device", "cpu", "--json"});
+    const ProgramResult result = runProgram(RAIG_PROGRAM, {"bench", RAIG_SOURCE_DIR "/assets/cornell_box.gltf", "--side",
+                                                           "64", "--repeat", "2", "--device", "cpu", "--json"});
     ASSERT_EQ(result.exitCode, 0) << result.errors;
     const nlohmann::json json = nlohmann::json::parse(result.output);
     ASSERT_EQ(json["results"].size(), 4u) << json;

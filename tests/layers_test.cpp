@@ -54,8 +54,9 @@ const std::map<std::string, Names> narrowerIncludes = {
     {"host/rays/npy.cpp", {"host/base"}},
 };
 
-const Names topLevel = {".ci",   ".clang-format", ".gitignore", "CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md",
-                        "assets", "host",          "run",        "shaders",        "tests"};
+const Names topLevel = {".ci",     ".clang-format", ".gitignore", "CMakeLists.txt", "CMakePresets.json",
+                        "LICENSE", "README.md",     "assets",     "host",           "run",
+                        "shaders", "tests"};
 
 /// Names in the text's lines of the form #include "name".
 std::vector<std::string> quotedIncludes(const std::string& text) {

@@ -42,10 +42,12 @@ std::string ratioText(const std::optional<Quartiles>& q) {
 
 void printReport(const std::string& scene, size_t triangles, const BenchReport& report) {
     fmt::print("{}, {} triangles\n", scene, triangles);
-    fmt::print("{:10} {:24} {:>10} {:>22} {:>12} {:>9}\n", "structure", "walk", "build s", "of Embree's", "bytes/tri", "SAH");
+    fmt::print("{:10} {:24} {:>10} {:>22} {:>12} {:>9}\n", "structure", "walk", "build s", "of Embree's", "bytes/tri",
+               "SAH");
     for (const BenchBuild& b : report.builds)
-        fmt::print("{:10} {:24} {:>10.4f} {:>22} {:>12.1f} {:>9.2f}\n", b.structure, b.walk, b.seconds.median, ratioText(b.toEmbree),
-                   double(b.statistics.bytes) / double(std::max<size_t>(triangles, 1)), b.statistics.sahCost);
+        fmt::print("{:10} {:24} {:>10.4f} {:>22} {:>12.1f} {:>9.2f}\n", b.structure, b.walk, b.seconds.median,
+                   ratioText(b.toEmbree), double(b.statistics.bytes) / double(std::max<size_t>(triangles, 1)),
+                   b.statistics.sahCost);
     fmt::print("\n{:10} {:9} {:>9} {:>9} {:>9} {:>22} {:>8} {:>8} {:>8} {:>8}\n", "structure", "rays", "Mrays/s", "Embree",
                "hits", "of Embree's", "visits", "boxes", "tests", "links");
     for (const BenchResult& r : report.results) {
@@ -86,7 +88,8 @@ void addJson(Json& json, const std::string& scene, size_t triangles, const std::
                                   {"seconds", b.seconds.median},
                                   {"ratio_to_embree", toJson(b.toEmbree)},
                                   {"bytes", b.statistics.bytes},
-                                  {"bytes_per_triangle", double(b.statistics.bytes) / double(std::max<size_t>(triangles, 1))},
+                                  {"bytes_per_triangle",
+                                   double(b.statistics.bytes) / double(std::max<size_t>(triangles, 1))},
                                   {"sah", b.statistics.sahCost}});
 }
 
@@ -95,7 +98,10 @@ void addJson(Json& json, const std::string& scene, size_t triangles, const std::
 int bench(const Options& options) {
     const std::optional<DeviceInfo> info = chooseDevice(options.device);
     const std::string deviceName = info ? info->name : "cpu";
-    BenchSettings settings{.side = options.side, .repetitions = options.repetitions, .structures = {}, .params = options.buildParams,
+    BenchSettings settings{.side = options.side,
+                           .repetitions = options.repetitions,
+                           .structures = {},
+                           .params = options.buildParams,
                            .device = info ? &*info : nullptr};
     for (const StructureType& type : structureTypes())
         if (options.accel == type.name || (options.accel == "all" && type.name != "brute"))

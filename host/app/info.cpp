@@ -186,8 +186,8 @@ void printStructures(const Survey& survey) {
                    perTriangle(double(built.references), survey), built.sahCost, trial.cost.nodeVisits,
                    trial.cost.triangleTests, trial.cost.total());
     }
-    fmt::print(
-        "visits, tests: of a ray, counted with rays of a picture and their bounces; cost: visits + 2 tests, weighted; no time\n");
+    fmt::print("visits, tests: of a ray, counted with rays of a picture and their bounces; "
+               "cost: visits + 2 tests, weighted; no time\n");
 }
 
 }  // namespace

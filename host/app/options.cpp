@@ -99,13 +99,14 @@ void addStructure(CLI::App& app, Options& options, const std::string& more = "au
     const std::string moreName = more.substr(0, more.find(','));
     const auto parse = [&options, moreName](const std::string& text) {
         if (text != moreName && std::find(structureNames.begin(), structureNames.end(), text) == structureNames.end())
-            throw usageError("--accel {}: there is no such structure; there are {}, {}", text, fmt::join(structureNames, ", "),
-                             moreName);
+            throw usageError("--accel {}: there is no such structure; there are {}, {}", text,
+                             fmt::join(structureNames, ", "), moreName);
         options.accel = text;
         options.accelGiven = true;
     };
     app.add_option_function<std::string>(
-           "--accel", parse, fmt::format("acceleration structure: {}, {} (default: bvh)", fmt::join(structureNames, ", "), more))
+           "--accel", parse,
+           fmt::format("acceleration structure: {}, {} (default: bvh)", fmt::join(structureNames, ", "), more))
         ->type_name("NAME");
     BuildParams& params = options.buildParams;
     const bool isAuto = more.starts_with("auto");  // else each structure is taken as it is
@@ -114,7 +115,8 @@ void addStructure(CLI::App& app, Options& options, const std::string& more = "au
     app.add_option("--walk", params.walk, fmt::format("how the structure is walked (default: {})", walk))
         ->type_name("NAME");
     app.add_option("--build", params.build, "how the structure is built (default: the structure's own)")->type_name("NAME");
-    app.add_option("--bound", params.bound, "bounding volume of bvh: aabb, sphere, obb, kdop (default: aabb)")->type_name("NAME");
+    app.add_option("--bound", params.bound, "bounding volume of bvh: aabb, sphere, obb, kdop (default: aabb)")
+        ->type_name("NAME");
     const auto parseChoice = [](const std::string& name, uint32_t& value, std::vector<uint32_t> choices) {
         return [name, &value, choices](const std::string& text) {
             const std::optional<uint32_t> number = numberOf<uint32_t>(text);
@@ -261,11 +263,12 @@ void addBench(CLI::App& app, Options& options) {
         ->type_name("N");
     addWholeNumber(command, "--repeat", options.repetitions, 1, 1000, "how often each measurement is made (default: 7)");
     addCommon(command, options);
-    command.footer("Examples:\n"
-                   "  raig bench bunny.ply\n"
-                   "  raig bench bunny.ply room.glb --accel all --threads 2 --json\n"
-                   "Rays: primary, shadow, diffuse and specular, of a three-quarter view of the whole scene. Each measurement is\n"
-                   "made in turn with Embree's, where raig was built with it: medians and quartiles of the pairs are told.");
+    command.footer(
+        "Examples:\n"
+        "  raig bench bunny.ply\n"
+        "  raig bench bunny.ply room.glb --accel all --threads 2 --json\n"
+        "Rays: primary, shadow, diffuse and specular, of a three-quarter view of the whole scene. Each measurement is\n"
+        "made in turn with Embree's, where raig was built with it: medians and quartiles of the pairs are told.");
 }
 
 void addInfo(CLI::App& app, Options& options) {
@@ -290,7 +293,8 @@ void addDevices(CLI::App& app, Options& options) {
 Error explained(const CLI::App& app, const CLI::ParseError& error, int argc, const char* const* argv) {
     const std::vector<const CLI::App*> chosen = app.get_subcommands([](const CLI::App* sub) { return sub->parsed(); });
     if (!chosen.empty()) return usageError("{}; see raig {} --help", error.what(), chosen.front()->get_name());
-    const char* const* word = std::find_if(argv + 1, argv + argc, [](std::string_view text) { return !text.starts_with('-'); });
+    const char* const* word =
+        std::find_if(argv + 1, argv + argc, [](std::string_view text) { return !text.starts_with('-'); });
     const char* const commands = "render, trace, compare, bench, info and devices; see raig --help";
     if (word == argv + argc && argc > 1) return usageError("{}: the commands are {}", error.what(), commands);
     if (word == argv + argc) return usageError("a command is wanted; there are {}", commands);

@@ -57,9 +57,10 @@ Notes notesOf(const Options& options, const FrameOptions& frame, const Setup& se
 
 void describe(const Picture& picture, const Discarded& discarded) {
     const FrameStatistics& s = picture.statistics;
-    log::note("picture: {} x {} in {:.3f} s ({:.3f} s of it to set up): {:.2f} Mrays, {:.2f} Mrays/s while tracing, depth {}",
-              picture.width, picture.height, s.seconds, s.setupSeconds, raysTraced(s) * 1e-6,
-              raysTraced(s) * 1e-6 / std::max(s.traceSeconds, 1e-9), s.deepest);
+    log::note(
+        "picture: {} x {} in {:.3f} s ({:.3f} s of it to set up): {:.2f} Mrays, {:.2f} Mrays/s while tracing, depth {}",
+        picture.width, picture.height, s.seconds, s.setupSeconds, raysTraced(s) * 1e-6,
+        raysTraced(s) * 1e-6 / std::max(s.traceSeconds, 1e-9), s.deepest);
     log::note("discarded weight: {:.2e} on average, {:.2e} at worst, in pixel ({}, {})", discarded.mean, discarded.worst,
               discarded.worstPixel % picture.width, discarded.worstPixel / picture.width);
 }

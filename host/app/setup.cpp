@@ -101,7 +101,8 @@ uint32_t chooseCamera(const Scene& scene, const std::string& wanted) {
     if (error == std::errc() && last == end && index < scene.cameras.size()) return index;
     std::string names;
     for (uint32_t i = 0; i < scene.cameras.size(); ++i)
-        names += fmt::format("{}{} {}", i ? ", " : "", i, scene.cameras[i].name.empty() ? "(unnamed)" : scene.cameras[i].name);
+        names +=
+            fmt::format("{}{} {}", i ? ", " : "", i, scene.cameras[i].name.empty() ? "(unnamed)" : scene.cameras[i].name);
     throw usageError("--camera {}: the scene has no such camera; it has: {}", wanted, names);
 }
 

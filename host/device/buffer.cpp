@@ -125,8 +125,8 @@ std::shared_ptr<BufferState> makeBuffer(Device::State& device, uint64_t bytes, V
 
 Buffer::Buffer(Device& device, uint64_t bytes) {
     const bool texel = device.loadsTexel() && bytes % 16 == 0 && bytes / 16 <= device.info().limits.texelBufferElements;
-    state_ = vk::makeBuffer(device.state(), bytes,
-                            (texel ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : 0) | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | copyUsage,
+    const VkBufferUsageFlags alsoTexel = texel ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : 0;
+    state_ = vk::makeBuffer(device.state(), bytes, alsoTexel | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | copyUsage,
                             vk::Memory::device);
     if (texel) makeTexelView(*state_);
 }

@@ -82,15 +82,17 @@ SlotBytes slotBytes(const FrameData& data) {
     bytes.pendingRays = branches ? data.params.maxDepth + 1 : 0;
     const uint64_t pending = uint64_t{bytes.pendingRays} * sizeof(PendingRay);
     const uint64_t shadow = data.params.shadowRays * (sizeof(Ray) + sizeof(Hit) + sizeof(vec4));
-    bytes.all = sizeof(PathState) + sizeof(Ray) + sizeof(Hit) + sizeof(PixelResult) + 2 * sizeof(uint32_t) + pending + shadow;
+    bytes.all =
+        sizeof(PathState) + sizeof(Ray) + sizeof(Hit) + sizeof(PixelResult) + 2 * sizeof(uint32_t) + pending + shadow;
     bytes.largest = std::max({uint64_t{sizeof(PathState)}, pending, uint64_t{data.params.shadowRays} * sizeof(Ray)});
     return bytes;
 }
 
 uint32_t chooseSlots(uint32_t wanted, uint64_t mostSlots, const FrameData& data) {
     if (mostSlots < 1)
-        throw limitError("a pixel's rays need {} bytes, more than a tile may hold; lower --max-depth or the number of lights",
-                         slotBytes(data).all);
+        throw limitError(
+            "a pixel's rays need {} bytes, more than a tile may hold; lower --max-depth or the number of lights",
+            slotBytes(data).all);
     const uint64_t pixels = uint64_t{data.params.width} * data.params.height;
     return static_cast<uint32_t>(std::min({wanted ? uint64_t{wanted} : mostSlots, mostSlots, pixels}));
 }
@@ -103,7 +105,8 @@ void checkOptions(const Scene& scene, const FrameOptions& options) {
         throw limitError("a picture of {} x {} pixels is too large; at most 2^31 pixels can be rendered", options.width,
                          options.height);
     checkLights(scene);
-    if (options.maxDepth > 1u << 20) throw limitError("a depth of {} is too large; at most 2^20 is possible", options.maxDepth);
+    if (options.maxDepth > 1u << 20)
+        throw limitError("a depth of {} is too large; at most 2^20 is possible", options.maxDepth);
 }
 
 void checkLights(const Scene& scene) {

@@ -44,8 +44,8 @@ struct Picture {
     uint32_t width = 0;
     uint32_t height = 0;
     std::vector<vec3> radiance;    ///< linear RGB, row by row from the top
-    std::vector<float> discarded;  ///< of each pixel, the weight of the rays that were not followed: times the scene's greatest
-                                   ///< radiance, it bounds what NIVELL_MAX and MIN_CONTRIB left out
+    std::vector<float> discarded;  ///< of each pixel, the weight of the rays that were not followed: times the scene's
+                                   ///< greatest radiance, it bounds what NIVELL_MAX and MIN_CONTRIB left out
     FrameStatistics statistics;
 };
 

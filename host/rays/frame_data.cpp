@@ -30,7 +30,8 @@ public:
     /// Room for `count` elements, zero.
     std::span<uvec4> room(size_t count) {
         const size_t first = data_.elements.size();
-        if (first + count > 0xffffffffu) throw limitError("the scene needs {} elements of shading data; 2^32 fit", first + count);
+        if (first + count > 0xffffffffu)
+            throw limitError("the scene needs {} elements of shading data; 2^32 fit", first + count);
         data_.elements.resize(first + count);
         return std::span(data_.elements).subspan(first);
     }
@@ -69,7 +70,8 @@ void packTextures(const Scene& scene, const TextureList& list, Packer& packer, F
     if (list.textures.empty()) return;
     params.decodeAt = packer.here();
     for (uint32_t i = 0; i < 256; i += 4)
-        packer.append({bitsOf(decodeSrgb(i)), bitsOf(decodeSrgb(i + 1)), bitsOf(decodeSrgb(i + 2)), bitsOf(decodeSrgb(i + 3))});
+        packer.append(
+            {bitsOf(decodeSrgb(i)), bitsOf(decodeSrgb(i + 1)), bitsOf(decodeSrgb(i + 2)), bitsOf(decodeSrgb(i + 3))});
 
     params.texturesAt = packer.here();
     std::map<uint32_t, uint32_t> firstOfImage;
@@ -112,7 +114,8 @@ void packLights(const Scene& scene, const Geometry& geometry, Packer& packer, Fr
         packer.append(packed(light.position, static_cast<uint32_t>(light.type)));
         packer.append(packed(light.direction, light.range));
         packer.append(packed(light.intensity, static_cast<float>(std::cos(double{light.outerConeAngle}))));
-        packer.append({bitsOf(static_cast<float>(std::cos(double{light.innerConeAngle}))), light.castsShadows ? 1u : 0u, 0u, 0u});
+        packer.append(
+            {bitsOf(static_cast<float>(std::cos(double{light.innerConeAngle}))), light.castsShadows ? 1u : 0u, 0u, 0u});
     }
     const std::vector<Emitter> emitters = listEmitters(scene, geometry);
     data.params.emittersAt = packer.here();

@@ -68,8 +68,9 @@ private:
     }
 
     void bindAll(Kernel& kernel, const BigArray& scene) {
-        const std::array<const Buffer*, 11> buffers = {&frame_,   &count_,      &list_,       &states_,       &rays_,   &hits_,
-                                                       &pending_, &shadowRays_, &shadowHits_, &contributions_, &results_};
+        const std::array<const Buffer*, 11> buffers = {&frame_, &count_,   &list_,       &states_,     &rays_,
+                                                       &hits_,  &pending_, &shadowRays_, &shadowHits_, &contributions_,
+                                                       &results_};
         const auto& declared = kernel.interface().bindings;
         for (uint32_t i = 0; i < buffers.size(); ++i)
             if (declared.contains(i)) kernel.bind(i, *buffers[i]);

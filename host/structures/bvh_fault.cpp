@@ -32,7 +32,8 @@ public:
                 continue;
             }
             const uint32_t limit = open_.empty() ? count : open_.back().end;
-            if (node.word() <= i + 2 || node.word() > limit) return at(i, "its skip link leaves its parent or does not advance");
+            if (node.word() <= i + 2 || node.word() > limit)
+                return at(i, "its skip link leaves its parent or does not advance");
             open_.push_back({node, node.word()});
         }
         for (uint32_t i = count; count > 0 && i < count + shared::BVH_END_NODES; ++i)  // an empty tree is not even entered

@@ -95,8 +95,10 @@ NodeBounds boundNodes(const BinaryTree& tree, std::span<const Primitive> triangl
         fill(bounds.planes, [&](uint32_t i) { return quantised(tree.nodes[i].box, header); });
     if (header.walk <= shared::WALK_OCTANTS16) return bounds;
     const Corners corners(tree, triangles, header);
-    if (header.walk == shared::WALK_SPHERES) fill(bounds.spheres, [&](uint32_t i) { return sphereAround(corners.below(i)); });
-    if (header.walk == shared::WALK_OBBS) fill(bounds.boxes, [&](uint32_t i) { return orientedBoxAround(corners.below(i)); });
+    if (header.walk == shared::WALK_SPHERES)
+        fill(bounds.spheres, [&](uint32_t i) { return sphereAround(corners.below(i)); });
+    if (header.walk == shared::WALK_OBBS)
+        fill(bounds.boxes, [&](uint32_t i) { return orientedBoxAround(corners.below(i)); });
     if (header.walk == shared::WALK_KDOPS) fill(bounds.kdops, [&](uint32_t i) { return kdopAround(corners.below(i)); });
     return bounds;
 }
@@ -276,8 +278,9 @@ uint32_t chooseBoxWalk(const BuildParams& params, const BinaryTree& tree, Struct
         return trailWalk(params.arity, params.precision == 8 ? 8 : fine ? 16 : 32);
     const uint32_t wanted = fine ? shared::WALK_OCTANTS16 : shared::WALK_OCTANTS;
     if (params.walk == "octants" || 8 * nodes * bytesANode(wanted) <= left) return wanted;
-    structure.remarks.push_back(fmt::format("one copy of the tree instead of eight, as {:.0f} MiB for them exceed the memory budget",
-                                            static_cast<double>(8 * nodes * bytesANode(wanted)) / (1 << 20)));
+    structure.remarks.push_back(
+        fmt::format("one copy of the tree instead of eight, as {:.0f} MiB for them exceed the memory budget",
+                    static_cast<double>(8 * nodes * bytesANode(wanted)) / (1 << 20)));
     return shared::WALK_SKIP;
 }
 

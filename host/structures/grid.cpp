@@ -211,7 +211,8 @@ Grid makeDividedGrid(const Members& members, const BuildParams& params, uint32_t
     Grid grid = makeGrid(members, params, walk);
     if (!params.nestsGrids && std::none_of(grid.parts.begin(), grid.parts.end(), isCrowded)) return grid;
     Grid nested = makeGrid(members, params, nestedWalk);
-    if (!params.nestsGrids && std::all_of(nested.parts.begin(), nested.parts.end(), [](const Parts& parts) { return parts.nested.empty(); }))
+    if (!params.nestsGrids &&
+        std::all_of(nested.parts.begin(), nested.parts.end(), [](const Parts& parts) { return parts.nested.empty(); }))
         return grid;
     walk = nestedWalk;
     return nested;
@@ -334,7 +335,8 @@ Structure build(std::span<const Primitive> triangles, const BuildParams& params)
     structure.header.walk = levels - 1;
     const Members members = membersOf(triangles);
     if (!members.ids.empty()) {
-        const Grid grid = levels == 1 ? makeGrid(members, params, 0) : makeDividedGrid(members, params, structure.header.walk);
+        const Grid grid =
+            levels == 1 ? makeGrid(members, params, 0) : makeDividedGrid(members, params, structure.header.walk);
         if (grid.shape.nested) structure.walk = "two levels, nested";
         structure.header.unit = members.unit;
         structure.header.lo = members.bounds.lo;

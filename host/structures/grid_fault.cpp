@@ -169,7 +169,8 @@ public:
 
     Fault findFault(const LatticeChecker& cells) {
         for (size_t cell = 0; cell < shape_.cells.cells(); ++cell)
-            if (Fault fault = findCellFault(wordAt(structure_, firstCell + cell), shape_.cell(cell), cells, cell)) return fault;
+            if (Fault fault = findCellFault(wordAt(structure_, firstCell + cell), shape_.cell(cell), cells, cell))
+                return fault;
         std::sort(taken_.begin(), taken_.end());
         for (size_t i = 1; i < taken_.size(); ++i)
             if (taken_[i].first < taken_[i - 1].second) return "the parts of two cells overlap";
@@ -182,7 +183,8 @@ private:
         if ((word & crowdedBit) == 0) return std::nullopt;
         const uint32_t more = word >> 28 & 7;
         const auto at = [&](std::string_view what) {
-            return fmt::format("cell {} {} {}, level {}: {}", place.first.x, place.first.y, place.first.z, place.wanted, what);
+            return fmt::format("cell {} {} {}, level {}: {}", place.first.x, place.first.y, place.first.z, place.wanted,
+                               what);
         };
         if (structure_.header.walk == 0 || more == 0 || more > blockLog) return at("it is divided as it may not be");
         const Lattice parts = shape_.parts(place, more);
@@ -192,7 +194,8 @@ private:
         taken_.emplace_back(begin, end);
         takenWords_ += end - begin;
         if (takenWords_ > structure_.nodes.size() * 4) return "the parts of two cells overlap";
-        if (shape_.nested && wordAt(structure_, begin + 1) != std::bit_cast<uint32_t>(shape_.reachOf(parts))) return at("its reach is not its own");
+        if (shape_.nested && wordAt(structure_, begin + 1) != std::bit_cast<uint32_t>(shape_.reachOf(parts)))
+            return at("its reach is not its own");
         const LatticeChecker checker(structure_, parts, begin + firstCell, shape_.nested ? leastPartMargin : leastMargin);
         if (Fault fault = checker.findFault(cells.list(index))) return fault;
         for (size_t part = 0; part < parts.cells(); ++part) {

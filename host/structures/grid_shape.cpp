@@ -108,7 +108,8 @@ Shape shapeOf(const Box& bounds, double wanted, uint32_t walk) {
     shape.nested = walk == nestedWalk;
     const uint32_t finest = shape.nested ? fineLog : walk == 0 ? 0 : blockLog;
     for (int axis = 0; axis < 3; ++axis) {
-        const AxisPlanes planes = planesAround(bounds.lo[axis] - margin, bounds.hi[axis] + margin, size, finest, shape.nested ? 0.0 : margin);
+        const AxisPlanes planes =
+            planesAround(bounds.lo[axis] - margin, bounds.hi[axis] + margin, size, finest, shape.nested ? 0.0 : margin);
         shape.cells.origin[axis] = planes.origin;
         shape.cells.step[axis] = planes.step;
         shape.cells.count[axis] = planes.count;

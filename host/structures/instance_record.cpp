@@ -129,8 +129,8 @@ bool fits(const shared::Placement& inner, const Box& bounds, float extent) {
     return small || norm * unit <= 64.0 * extent;
 }
 
-void writeInstance(uvec4* record, const shared::Placement& inner, const InstanceSpace& space, const vec3& at, uint32_t firstId,
-                   uint32_t bottomAt, bool mirrored) {
+void writeInstance(uvec4* record, const shared::Placement& inner, const InstanceSpace& space, const vec3& at,
+                   uint32_t firstId, uint32_t bottomAt, bool mirrored) {
     const std::array<dvec4, 3> m = rowsOf(inner);
     for (int i = 0; i < 3; ++i) {
         record[i] = texel(dvec3(m[i]), bits(m[i].w));

@@ -173,7 +173,8 @@ private:
         SpatialSplit best;
         if (!(step > 0.0f)) return best;
         std::array<float, spatialBins + 1> planes;
-        for (int i = 0; i <= spatialBins; ++i) planes[i] = i == spatialBins ? node.hi[axis] : lo + step * static_cast<float>(i);
+        for (int i = 0; i <= spatialBins; ++i)
+            planes[i] = i == spatialBins ? node.hi[axis] : lo + step * static_cast<float>(i);
         const auto binOf = [&](float x) { return std::clamp(static_cast<int>((x - lo) / step), 0, spatialBins - 1); };
         std::array<Bin, spatialBins> bins;
         for (const BoxReference& reference : references) {
@@ -262,7 +263,8 @@ private:
                 right.push_back(above);
             }
         }
-        const bool divided = !left.empty() && !right.empty() && left.size() < references.size() && right.size() < references.size();
+        const bool divided =
+            !left.empty() && !right.empty() && left.size() < references.size() && right.size() < references.size();
         if (!divided) {
             left.clear();
             right.clear();

@@ -113,11 +113,13 @@ const StructureType& structureType(std::string_view name) {
 
 std::string describeOptions(const BuildParams& params) {
     std::string text;
-    for (const auto& [name, value] : givenOptions(params)) text += fmt::format("{}{} {}", text.empty() ? "" : " ", name, value);
+    for (const auto& [name, value] : givenOptions(params))
+        text += fmt::format("{}{} {}", text.empty() ? "" : " ", name, value);
     return text;
 }
 
-void refuseOtherOptions(const BuildParams& params, std::string_view structure, std::initializer_list<std::string_view> offered) {
+void refuseOtherOptions(const BuildParams& params, std::string_view structure,
+                        std::initializer_list<std::string_view> offered) {
     for (const auto& [name, value] : givenOptions(params))
         if (name != "--memory-budget" && std::find(offered.begin(), offered.end(), name) == offered.end())
             throw usageError("{}: {} has no such option; leave it out", name, structure);

@@ -54,7 +54,7 @@ using Triangle = Primitive;
 
 /// Options of all builders, each with the builders that read it. Names are as on the command line.
 struct BuildParams {
-    std::string build = "";     ///< bvh: median, binned, sweep, sbvh, lbvh; kdtree: median, sah. Empty: the structure's default
+    std::string build = "";     ///< bvh: median, binned, sweep, sbvh, lbvh; kdtree: median, sah. Empty: the default
     std::string walk = "auto";  ///< bvh: skip, octants, trail; kdtree: short-stack, restart. Or auto
     std::string bound = "";     ///< bvh: aabb, sphere, obb, kdop. Empty: aabb
     uint32_t arity = 0;         ///< bvh: most children of a node, 2, 4 or 8; 0: the default
@@ -72,7 +72,8 @@ std::string describeOptions(const BuildParams& params);
 
 /// Throws usageError if an option is given that is not among `offered` (as on the command line, "--max-leaf" say).
 /// The memory budget is every structure's.
-void refuseOtherOptions(const BuildParams& params, std::string_view structure, std::initializer_list<std::string_view> offered);
+void refuseOtherOptions(const BuildParams& params, std::string_view structure,
+                        std::initializer_list<std::string_view> offered);
 
 struct StructureStatistics {
     uint64_t nodes = 0;  ///< of one copy of the tree

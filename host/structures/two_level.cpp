@@ -130,7 +130,8 @@ bool sameWalk(const std::vector<Built>& all) {
 /// Puts the parts of two levels into the arrays of one structure.
 class Joiner {
 public:
-    Joiner(const PlacedScene& scene, const std::vector<KeptMesh>& kept, float unit) : scene_(scene), kept_(kept), unit_(unit) {}
+    Joiner(const PlacedScene& scene, const std::vector<KeptMesh>& kept, float unit)
+        : scene_(scene), kept_(kept), unit_(unit) {}
 
     Structure join(std::vector<Built> all) {
         Structure result;
@@ -230,7 +231,8 @@ private:
         header.triangleCount = static_cast<uint32_t>(result.triangles.size() / shared::TRIANGLE_STRIDE);
         header.walk = headers_.front().walk;
         header.gridOrigin = vec3(0.0f);
-        header.gridStep = vec3(static_cast<float>(top.apart), static_cast<float>(instancesAt_ / shared::INSTANCES_UNIT), 0.0f);
+        header.gridStep =
+            vec3(static_cast<float>(top.apart), static_cast<float>(instancesAt_ / shared::INSTANCES_UNIT), 0.0f);
         result.instances = static_cast<uint32_t>(instances_.size());
     }
 

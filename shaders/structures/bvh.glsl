@@ -34,8 +34,8 @@ struct NodeSpace {
     vec3 along;         // the direction
     float perSquare;    // 1 / its square
     float perLength;    // 1 / its length
-    vec3 diagonal;      // of slabs along (1, 1, 1), (-1, 1, 1), (1, -1, 1): dot with the origin; and the inverse of that with
-    float lastDiagonal; // the direction; the fourth, along (1, 1, -1)
+    vec3 diagonal;      // of slabs along (1, 1, 1), (-1, 1, 1), (1, -1, 1): dot with the origin; and the inverse of that
+    float lastDiagonal; // with the direction; the fourth, along (1, 1, -1)
     vec3 perDiagonal;
     float perLastDiagonal;
 };
@@ -74,8 +74,10 @@ vec3 floatsOf(uvec4 t) { return vec3(uintBitsToFloat(t.x), uintBitsToFloat(t.y),
 void cutSlabs(vec3 lo, vec3 hi, vec3 from, vec3 per, float margin, INOUT(vec2) span) {
     vec3 first = (lo - margin - from) * per;
     vec3 second = (hi + margin - from) * per;
-    span.x = greater(span.x, greater(lesser(first.x, second.x), greater(lesser(first.y, second.y), lesser(first.z, second.z))));
-    span.y = lesser(span.y, lesser(greater(first.x, second.x), lesser(greater(first.y, second.y), greater(first.z, second.z))));
+    span.x = greater(span.x, greater(lesser(first.x, second.x),
+                                     greater(lesser(first.y, second.y), lesser(first.z, second.z))));
+    span.y = lesser(span.y, lesser(greater(first.x, second.x),
+                                   lesser(greater(first.y, second.y), greater(first.z, second.z))));
 }
 
 // A sphere about `centre`: where the ray passes it no farther off than `radius` and the margin, within that of its nearest
@@ -151,8 +153,10 @@ bool hitsNode(WalkRay ray, NodeSpace space, uint at, float tMax, INOUT(uint) wor
     if (WALK == WALK_SKIP) {
         vec3 lo = near;
         vec3 hi = far;
-        near = vec3(ray.inverse.x < 0.0f ? hi.x : lo.x, ray.inverse.y < 0.0f ? hi.y : lo.y, ray.inverse.z < 0.0f ? hi.z : lo.z);
-        far = vec3(ray.inverse.x < 0.0f ? lo.x : hi.x, ray.inverse.y < 0.0f ? lo.y : hi.y, ray.inverse.z < 0.0f ? lo.z : hi.z);
+        near = vec3(ray.inverse.x < 0.0f ? hi.x : lo.x, ray.inverse.y < 0.0f ? hi.y : lo.y,
+                    ray.inverse.z < 0.0f ? hi.z : lo.z);
+        far = vec3(ray.inverse.x < 0.0f ? lo.x : hi.x, ray.inverse.y < 0.0f ? lo.y : hi.y,
+                   ray.inverse.z < 0.0f ? lo.z : hi.z);
     }
     return hitsPlanes(ray, near, far, tMax);
 }
@@ -227,7 +231,8 @@ WalkRay pick(bool first, WalkRay a, WalkRay b) {
 // Two walks from their beginnings, step by step in turn: a software device computes one while it waits for the other. A
 // primitive is tested for one of the two only: seldom does either hold a leaf, and such devices compute the test even where
 // no lane needs it. Where both do, the second waits.
-void walkPair(WalkRay rayA, WalkRay rayB, INOUT(uvec4) atA, INOUT(uvec4) atB, uint maxSteps, INOUT(Hit) bestA, INOUT(Hit) bestB) {
+void walkPair(WalkRay rayA, WalkRay rayB, INOUT(uvec4) atA, INOUT(uvec4) atB, uint maxSteps, INOUT(Hit) bestA,
+              INOUT(Hit) bestB) {
     NodeSpace spaceA = prepareNodes(rayA);
     NodeSpace spaceB = prepareNodes(rayB);
     uint end = header.nodeCount;
