@@ -1,15 +1,12 @@
 #include "structures/structure_file.hpp"
 
 #include "base/files.hpp"
-#include "base/parallel.hpp"
+#include "structures/structure_fault.hpp"
 
 #include <xxhash.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cmath>
 #include <cstring>
-#include <mutex>
 
 namespace raig {
 
@@ -54,40 +51,6 @@ uint64_t checksumOf(const std::vector<uvec4>& nodes, const std::vector<uvec4>& t
 std::array<uint64_t, 2> hashOf(std::span<const Primitive> triangles) {
     const XXH128_hash_t hash = XXH3_128bits(triangles.data(), triangles.size_bytes());
     return {hash.low64, hash.high64};
-}
-
-Box boundsOf(std::span<const Primitive> triangles) {
-    Box all;
-    std::mutex mutex;
-    parallelFor(triangles.size(), 65536, [&](size_t begin, size_t end) {
-        Box part;
-        for (size_t i = begin; i < end; ++i)
-            if (triangles[i].usable()) part.grow(triangles[i].box());
-        const std::lock_guard lock(mutex);
-        all.grow(part);
-    });
-    return all;
-}
-
-/// What is wrong with a structure in what all structures share.
-std::optional<std::string> findSharedFault(const Structure& structure, std::span<const Primitive> triangles) {
-    const StructureHeader& header = structure.header;
-    if (header.walk >= shared::MAX_WALKS) return "there is no such walk";
-    if (structure.triangles.size() != size_t{header.triangleCount} * shared::TRIANGLE_STRIDE)
-        return "triangle count and array differ";
-    const Box bounds = boundsOf(triangles);
-    const bool sameBounds = bounds.empty() ? header.lo.x > header.hi.x
-                                           : header.lo == bounds.lo * header.unit && header.hi == bounds.hi * header.unit;
-    if (header.unit != unitOf(bounds) || !sameBounds) return "its bounds are not those of the scene";
-    std::atomic<size_t> faults = 0;
-    parallelFor(header.triangleCount, 16384, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) {
-            const uint32_t id = referencedId(structure, i);
-            if (id >= triangles.size() || !refersTo(structure, i, triangles[id])) ++faults;
-        }
-    });
-    if (faults > 0) return fmt::format("{} of its triangles are not those of the scene", faults.load());
-    return std::nullopt;
 }
 
 std::span<const std::byte> bytesOf(const std::vector<uvec4>& texels) {
@@ -179,8 +142,7 @@ Structure StructureFile::read(std::span<const Primitive> triangles) {
     if (header_.arraysChecksum != checksumOf(structure.nodes, structure.triangles))
         throw broken("is damaged: its arrays have another checksum");
 
-    std::optional<std::string> fault = findSharedFault(structure, triangles);
-    if (!fault) fault = structureType(structure.name).findFault(structure, triangles);
+    const std::optional<std::string> fault = findOneLevelFault(structure, triangles, structureType(structure.name));
     if (fault) throw broken(fmt::format("holds a structure that is broken: {}", *fault));
 
     StructureStatistics& statistics = structure.statistics;

@@ -110,8 +110,8 @@ Structure buildTwoLevels(const PlacedScene& scene, const StructureType& type, co
     if (all.empty()) return type.build({}, params);
     if (plan.isOneLevel()) return std::move(all.front());
     if (!sameWalk(all)) {
-        // One kernel walks them all. What they differ in is the precision that suits each, or if grids are nested: so all get
-        // the higher, or are.
+        // One kernel walks them all. What they differ in is the precision that suits each, or if grids are nested: so all
+        // get the higher, or are.
         BuildParams same = params;
         if (type.name == "grid")
             same.nestsGrids = true;

@@ -12,8 +12,8 @@ struct WrittenOut {
 };
 
 struct TwoLevelPlan {
-    float unit = 1.0f;             ///< the scene's
-    std::vector<KeptMesh> kept;    ///< one a mesh
+    float unit = 1.0f;           ///< the scene's
+    std::vector<KeptMesh> kept;  ///< one a mesh
     WrittenOut out;
     std::vector<uint32_t> meshes;  ///< of each bottom; Bottom::writtenOut comes first, if anything is
 

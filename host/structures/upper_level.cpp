@@ -26,7 +26,10 @@ std::vector<Placed> placeAll(const PlacedScene& scene, const TwoLevelPlan& plan,
         const StructureHeader& header = shapes[i].header;
         if (plan.meshes[i] == Bottom::writtenOut) {
             const float scale = plan.unit / header.unit;
-            all.push_back({i, 0, false, {vec4(scale, 0, 0, 0), vec4(0, scale, 0, 0), vec4(0, 0, scale, 0)},
+            all.push_back({i,
+                           0,
+                           false,
+                           {vec4(scale, 0, 0, 0), vec4(0, scale, 0, 0), vec4(0, 0, scale, 0)},
                            {header.lo / header.unit, header.hi / header.unit}});
             continue;
         }
@@ -59,8 +62,8 @@ uint64_t writeBottoms(const TwoLevelPlan& plan, std::span<const BottomShape> sha
         const StructureHeader& header = shapes[i].header;
         std::copy_n(reinterpret_cast<const uvec4*>(&header), sizeof header / sizeof(uvec4), record);
         record[4] = {static_cast<uint32_t>(nodesAt), static_cast<uint32_t>(trianglesAt), 0, 0};
-        upper.bottoms.push_back({plan.meshes[i], trianglesAt / shared::TRIANGLE_STRIDE,
-                                 shapes[i].triangles / shared::TRIANGLE_STRIDE});
+        upper.bottoms.push_back(
+            {plan.meshes[i], trianglesAt / shared::TRIANGLE_STRIDE, shapes[i].triangles / shared::TRIANGLE_STRIDE});
         nodesAt += shapes[i].nodes;
         trianglesAt += shapes[i].triangles;
     }
@@ -109,8 +112,8 @@ UpperLevel makeUpperLevel(const PlacedScene& scene, const TwoLevelPlan& plan, st
     header.triangleCount = static_cast<uint32_t>(triangles / shared::TRIANGLE_STRIDE);
     header.walk = shapes.front().header.walk;
     header.gridOrigin = vec3(0.0f);
-    header.gridStep = vec3(static_cast<float>(top.apart),
-                           static_cast<float>(upper.places.instances / shared::INSTANCES_UNIT), 0.0f);
+    header.gridStep =
+        vec3(static_cast<float>(top.apart), static_cast<float>(upper.places.instances / shared::INSTANCES_UNIT), 0.0f);
     return upper;
 }
 

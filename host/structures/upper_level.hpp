@@ -28,14 +28,14 @@ struct UpperLevel {
     StructureHeader header;
     std::vector<Bottom> bottoms;
     uint32_t instances = 0;
-    uint32_t nodeCount = 0;  ///< of one copy of the top tree
-    uint32_t depth = 0;      ///< of the top tree
-    double sahCost = 0.0;    ///< of the top tree
+    uint32_t nodeCount = 0;      ///< of one copy of the top tree
+    uint32_t depth = 0;          ///< of the top tree
+    double sahCost = 0.0;        ///< of the top tree
     std::vector<double> visits;  ///< of each bottom: how often a random ray through the scene meets its instances
 };
 
-/// `shapes` are of the bottoms of plan.meshes, in this order. Requires that there be some; headers as builders make them; and
-/// less than 2^32 nodes and triangles with those of the bottoms.
+/// `shapes` are of the bottoms of plan.meshes, in this order. Requires that there be some; headers as builders make them;
+/// and less than 2^32 nodes and triangles with those of the bottoms.
 UpperLevel makeUpperLevel(const PlacedScene& scene, const TwoLevelPlan& plan, std::span<const BottomShape> shapes);
 
 }  // namespace raig
