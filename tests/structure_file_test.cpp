@@ -226,7 +226,7 @@ TEST_F(StructureFiles, SayWhatIsWrongWithThem) {
         write(copy);
         return refusal(small_);
     };
-    EXPECT_NE(changed(offsetof(StructureFileHeader, version), {3}).find("version 3"), std::string::npos);
+    EXPECT_NE(changed(offsetof(StructureFileHeader, version), {4}).find("version 4"), std::string::npos);
     EXPECT_NE(changed(offsetof(StructureFileHeader, byteOrder), {1, 2, 3, 4}).find("other byte order"), std::string::npos);
     EXPECT_NE(changed(0, {'P', 'N', 'G'}).find("is no structure of raig"), std::string::npos);
     EXPECT_NE(changed(offsetof(StructureFileHeader, nodeTexels), {0, 0, 0, 0, 0, 0, 0, 0xf0}).find("header"),

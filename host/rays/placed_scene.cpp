@@ -18,10 +18,11 @@ TriangleCounts countTriangles(const Scene& scene, const KeepRule& rule) {
 }
 
 PlacedScene placedScene(const Geometry& geometry, const KeepRule& rule) {
-    RAIG_CHECK(geometry.isInstanced());
+    RAIG_CHECK(geometry.isInstanced() && rule.leastTriangles > 0);
     PlacedScene scene;
     scene.positions = geometry.positions;
     scene.bounds = geometry.bounds;
+    scene.leastTriangles = rule.leastTriangles;
     for (const Geometry::Stored& stored : geometry.stored)
         scene.meshes.push_back({std::span(geometry.triangles).subspan(stored.firstTriangle, stored.triangles),
                                 stored.firstVertex, stored.vertices, stored.triangles >= rule.leastTriangles});

@@ -8,7 +8,7 @@ namespace raig {
 
 /// Which meshes are worth keeping: those that stand in several places and have that many triangles at least.
 struct KeepRule {
-    uint32_t leastTriangles = 1;
+    uint32_t leastTriangles = 1;  ///< at least 1
 };
 
 /// Smaller meshes are written out. A box of 12 triangles takes some 3 kB so, and 192 to 640 bytes if kept (its record, and

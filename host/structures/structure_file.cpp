@@ -17,7 +17,7 @@ constexpr std::array<char, 8> magic = {'\x89', 'r', 'a', 'i', 'g', '\r', '\n', '
 constexpr uint32_t byteOrderMark = 0x01020304;
 constexpr uint32_t otherByteOrderMark = 0x04030201;
 // To be raised when the format changes, or what the bytes of a structure mean.
-constexpr uint32_t formatVersion = 2;
+constexpr uint32_t formatVersion = 3;
 
 template <size_t size>
 void setName(std::array<char, size>& name, std::string_view text) {
@@ -43,32 +43,32 @@ uint64_t checksumOf(const StructureFileHeader& header) {
     return XXH3_64bits(reinterpret_cast<const char*>(&header) + start, sizeof header - start);
 }
 
-uint64_t checksumOf(const std::vector<uvec4>& nodes, const std::vector<uvec4>& triangles) {
-    const size_t bytes = nodes.size() * sizeof(uvec4);
-    return XXH3_64bits_withSeed(triangles.data(), triangles.size() * sizeof(uvec4), XXH3_64bits(nodes.data(), bytes));
-}
-
-std::array<uint64_t, 2> hashOf(std::span<const Primitive> triangles) {
-    const XXH128_hash_t hash = XXH3_128bits(triangles.data(), triangles.size_bytes());
-    return {hash.low64, hash.high64};
-}
-
 std::span<const std::byte> bytesOf(const std::vector<uvec4>& texels) {
     return std::as_bytes(std::span(texels));
 }
 
-}  // namespace
+/// Of all that follows the header.
+uint64_t checksumOf(std::span<const StructureFileBottom> bottoms, const std::vector<uvec4>& nodes,
+                    const std::vector<uvec4>& triangles) {
+    uint64_t sum = XXH3_64bits(bottoms.data(), bottoms.size_bytes());
+    for (const std::span<const std::byte> bytes : {bytesOf(nodes), bytesOf(triangles)})
+        sum = XXH3_64bits_withSeed(bytes.data(), bytes.size(), sum);
+    return sum;
+}
 
-void saveStructure(const std::filesystem::path& path, const Structure& structure, const BuildParams& params,
-                   std::span<const Primitive> triangles) {
-    StructureFileHeader header{};
+/// `header` has what tells the scene.
+void save(const std::filesystem::path& path, const Structure& structure, const BuildParams& params,
+          StructureFileHeader header) {
+    std::vector<StructureFileBottom> bottoms;
+    for (const Bottom& bottom : structure.bottoms)
+        bottoms.push_back({bottom.mesh, bottom.firstReference, bottom.references});
     header.magic = magic;
     header.byteOrder = byteOrderMark;
     header.version = formatVersion;
-    header.geometryHash = hashOf(triangles);
-    header.sceneTriangles = triangles.size();
     header.nodeTexels = structure.nodes.size();
     header.triangleTexels = structure.triangles.size();
+    header.bottoms = bottoms.size();
+    header.instances = structure.instances;
     setName(header.structure, structure.name);
     setName(header.walk, structure.walk);
     setName(header.options, describeOptions(params));
@@ -80,11 +80,30 @@ void saveStructure(const std::filesystem::path& path, const Structure& structure
     header.references = statistics.references;
     header.sahCost = statistics.sahCost;
     header.seconds = statistics.seconds;
-    header.arraysChecksum = checksumOf(structure.nodes, structure.triangles);
+    header.arraysChecksum = checksumOf(bottoms, structure.nodes, structure.triangles);
     header.headerChecksum = checksumOf(header);
-    const std::span<const std::byte> pieces[] = {std::as_bytes(std::span(&header, 1)), bytesOf(structure.nodes),
-                                                 bytesOf(structure.triangles)};
+    const std::span<const std::byte> pieces[] = {std::as_bytes(std::span(&header, 1)), std::as_bytes(std::span(bottoms)),
+                                                 bytesOf(structure.nodes), bytesOf(structure.triangles)};
     writeFileAtomically(path, pieces);
+}
+
+}  // namespace
+
+void saveStructure(const std::filesystem::path& path, const Structure& structure, const BuildParams& params,
+                   std::span<const Primitive> triangles) {
+    StructureFileHeader header{};
+    header.sceneHash = hashOf(triangles);
+    header.scenePrimitives = triangles.size();
+    save(path, structure, params, header);
+}
+
+void saveStructure(const std::filesystem::path& path, const Structure& structure, const BuildParams& params,
+                   const PlacedScene& scene) {
+    StructureFileHeader header{};
+    header.sceneHash = hashOf(scene);
+    header.scenePrimitives = primitiveCount(scene);
+    header.leastTriangles = scene.leastTriangles;
+    save(path, structure, params, header);
 }
 
 StructureFile::StructureFile(const std::filesystem::path& path) : file_(path), header_{} {
@@ -108,15 +127,24 @@ void StructureFile::checkHeader() const {
     if (header_.headerChecksum != checksumOf(header_)) throw broken("is damaged: its header has another checksum");
     if (!isName(header_.structure) || !isName(header_.walk) || !isName(header_.options))
         throw broken("is damaged: its names are none");
-    const uint64_t texels =
-        (file_.size() - sizeof header_) / sizeof(uvec4);  // both sizes are at most that: no sum overflows
-    if (header_.nodeTexels > texels || header_.triangleTexels > texels ||
-        file_.size() != sizeof header_ + (header_.nodeTexels + header_.triangleTexels) * sizeof(uvec4))
-        throw broken(fmt::format("has {} bytes, not those of {} texels", file_.size(),
-                                 double(header_.nodeTexels) + double(header_.triangleTexels)));
+    checkSizes();
+    if (header_.leastTriangles == 0 && (header_.bottoms != 0 || header_.instances != 0))
+        throw broken("is damaged: it has instances, and is of a scene written out");
     const auto types = structureTypes();
     if (std::none_of(types.begin(), types.end(), [&](const StructureType& type) { return type.name == structureName(); }))
         throw broken(fmt::format("holds a structure that this raig does not have, {}", structureName()));
+}
+
+void StructureFile::checkSizes() const {
+    uint64_t left = file_.size() - sizeof header_;
+    bool fits = header_.bottoms <= left / sizeof(StructureFileBottom);
+    if (fits) left -= header_.bottoms * sizeof(StructureFileBottom);
+    const uint64_t texels = left / sizeof(uvec4);  // each size is at most that: their sum does not overflow
+    fits = fits && header_.nodeTexels <= texels && header_.triangleTexels <= texels &&
+           left == (header_.nodeTexels + header_.triangleTexels) * sizeof(uvec4);
+    if (!fits)
+        throw broken(fmt::format("has {} bytes, not those of {} texels and {} bottoms", file_.size(),
+                                 double(header_.nodeTexels) + double(header_.triangleTexels), header_.bottoms));
 }
 
 std::string StructureFile::structureName() const {
@@ -127,24 +155,30 @@ std::string StructureFile::options() const {
     return std::string(nameOf(header_.options));
 }
 
-Structure StructureFile::read(std::span<const Primitive> triangles) {
-    if (header_.sceneTriangles != triangles.size() || header_.geometryHash != hashOf(triangles))
+void StructureFile::checkScene(uint32_t leastTriangles, uint64_t primitives, const SceneHash& hash) const {
+    if (header_.leastTriangles != leastTriangles || header_.scenePrimitives != primitives || header_.sceneHash != hash)
         throw broken(fmt::format("is of another scene, or of another version of it ({} triangles; this one has {})",
-                                 header_.sceneTriangles, triangles.size()));
+                                 header_.scenePrimitives, primitives));
+}
+
+Structure StructureFile::readUnchecked() {
+    std::vector<StructureFileBottom> bottoms(header_.bottoms);
     Structure structure;
     structure.name = structureName();
     structure.walk = nameOf(header_.walk);
     structure.header = header_.header;
     structure.nodes.resize(header_.nodeTexels);
     structure.triangles.resize(header_.triangleTexels);
+    structure.instances = header_.instances;
+    file_.read(std::as_writable_bytes(std::span(bottoms)));
     file_.read(std::as_writable_bytes(std::span(structure.nodes)));
     file_.read(std::as_writable_bytes(std::span(structure.triangles)));
-    if (header_.arraysChecksum != checksumOf(structure.nodes, structure.triangles))
+    if (header_.arraysChecksum != checksumOf(bottoms, structure.nodes, structure.triangles))
         throw broken("is damaged: its arrays have another checksum");
-
-    const std::optional<std::string> fault = findOneLevelFault(structure, triangles, structureType(structure.name));
-    if (fault) throw broken(fmt::format("holds a structure that is broken: {}", *fault));
-
+    for (const StructureFileBottom& bottom : bottoms) {
+        if (bottom.mesh > Bottom::writtenOut) throw broken("is damaged: its table of bottoms names no mesh");
+        structure.bottoms.push_back({static_cast<uint32_t>(bottom.mesh), bottom.firstReference, bottom.references});
+    }
     StructureStatistics& statistics = structure.statistics;
     statistics.nodes = header_.nodes;
     statistics.leaves = header_.leaves;
@@ -153,9 +187,28 @@ Structure StructureFile::read(std::span<const Primitive> triangles) {
     statistics.bytes = (structure.nodes.size() + structure.triangles.size()) * sizeof(uvec4);
     statistics.sahCost = header_.sahCost;
     statistics.seconds = header_.seconds;
+    return structure;
+}
+
+Structure StructureFile::checked(Structure structure, const std::optional<std::string>& fault) const {
+    if (fault) throw broken(fmt::format("holds a structure that is broken: {}", *fault));
     for (size_t i = 0; i < structure.triangles.size(); i += shared::TRIANGLE_STRIDE)
         structure.triangles[i + 1].w &= shared::TRIANGLE_SPHERE;
     return structure;
+}
+
+Structure StructureFile::read(std::span<const Primitive> triangles) {
+    checkScene(0, triangles.size(), hashOf(triangles));
+    Structure structure = readUnchecked();
+    const auto fault = findOneLevelFault(structure, triangles, structureType(structure.name));
+    return checked(std::move(structure), fault);
+}
+
+Structure StructureFile::read(const PlacedScene& scene) {
+    checkScene(scene.leastTriangles, primitiveCount(scene), hashOf(scene));
+    Structure structure = readUnchecked();
+    const auto fault = findTwoLevelFault(structure, scene, structureType(structure.name));
+    return checked(std::move(structure), fault);
 }
 
 }  // namespace raig

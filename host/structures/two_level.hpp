@@ -52,7 +52,8 @@ struct PlacedScene {
     std::vector<StoredMesh> meshes;
     std::vector<PlacedMesh> instances;
     std::vector<PlacedPrimitive> others;
-    Box bounds;  ///< of all usable primitives, in the world
+    Box bounds;                   ///< of all usable primitives, in the world
+    uint32_t leastTriangles = 1;  ///< that a mesh has which keeps: the rule by which StoredMesh::keeps was set; at least 1
 };
 
 /// Builds both levels, the bottoms by `type`; or, where nothing is kept, the one level of what is written out.
