@@ -123,10 +123,6 @@ TEST(CommandLine, NumbersAreTakenWholeAndInRangeOrNotAtAll) {
     expectError({"render", "nosuch.glb", "-o", "a.png", "--accel", "quadtree"}, 2, "brute, bvh");
     expectError({"trace", "nosuch.glb", "--rays", "r", "--hits", "h", "--query", "first"}, 2, "closest or any");
     expectError({"render", "nosuch.glb", "-o", "a.png", "--instances", "yes"}, 2, "auto, keep or flatten");
-    expectError({"render", "nosuch.glb", "-o", "a.png", "--instances", "keep", "--save-structure", "s"}, 2,
-                "--save-structure");
-    expectError({"render", "nosuch.glb", "-o", "a.png", "--instances", "keep", "--load-structure", "s"}, 2,
-                "--load-structure");
 }
 
 TEST(CommandLine, PicturesToWriteAreRefusedBeforeAnythingIsRendered) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -143,7 +144,6 @@ TEST_F(StructureCommands, KeepInstancesWithoutChangingThePicture) {
         EXPECT_EQ(bytesOf(folder_ / "one.pfm"), bytesOf(folder_ / "flat.pfm")) << type.name;
     }
     EXPECT_EQ(documentOf("one.pfm", {"--accel", "auto"})["structure"]["instances"], 10);
-    EXPECT_EQ(documentOf("one.pfm", {"--save-structure", file_})["structure"]["instances"], 0) << "files have one level";
     EXPECT_EQ(raig({"compare", scene, "--size", "24x24", "--device", "cpu", "--quiet"}).exitCode, 0);
 
     const auto told = nlohmann::json::parse(raig({"info", scene, "--json"}).output)["scene"];
@@ -152,6 +152,84 @@ TEST_F(StructureCommands, KeepInstancesWithoutChangingThePicture) {
     const auto box = nlohmann::json::parse(raig({"info", box_, "--json"}).output)["scene"];
     EXPECT_EQ(box["stored_triangles"], box["triangles"]);
     EXPECT_EQ(box["keeps_instances"], false);
+}
+
+/// A file of 100 rays from `origin` into a cone around +z.
+void writeRays(const fs::path& path, const std::array<float, 3>& origin) {
+    std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (100, 8), }";
+    header.resize(117, ' ');
+    std::ofstream file(path, std::ios::binary);
+    file << "\x93NUMPY" << '\1' << '\0' << char(118) << '\0' << header << '\n';
+    for (int i = 0; i < 100; ++i) {
+        const float x = 0.04f * float(i % 10 - 5), y = 0.04f * float(i / 10 - 5);
+        const float ray[8] = {origin[0], origin[1], origin[2], 0, x, y, 1, 1e30f};
+        file.write(reinterpret_cast<const char*>(ray), sizeof ray);
+    }
+}
+
+TEST_F(StructureCommands, SavedStructuresOfKeptInstancesGiveTheSamePictureAndHits) {
+    const fs::path scene = folder_ / "plantation.glb", rays = folder_ / "rays.npy";
+    writePlantation(scene);
+    writeRays(rays, {1, 0.5f, -1.5f});
+    const auto trace = [&](const char* hits, Arguments more) {
+        more.insert(more.begin(), {"trace", scene, "--rays", rays, "--hits", folder_ / hits, "--json"});
+        const ProgramResult result = raig(more);
+        EXPECT_EQ(result.exitCode, 0) << result.errors;
+        const auto document = nlohmann::json::parse(result.output);
+        EXPECT_GT(document["hits"], 20);
+        return document["instances"].get<int>();
+    };
+    ASSERT_EQ(render(scene, "flat.pfm", {"--instances", "flatten"}).exitCode, 0);
+    EXPECT_EQ(trace("flat.npy", {"--instances", "flatten", "--device", "cpu"}), 0);
+    for (const Arguments& how : {Arguments{}, Arguments{"--instances", "keep"}, Arguments{"--accel", "auto"},
+                                 Arguments{"--accel", "grid", "--levels", "1"}}) {
+        Arguments saving = how;
+        saving.insert(saving.end(), {"--save-structure", file_, "--json"});
+        const ProgramResult saved = render(scene, "built.pfm", saving);
+        ASSERT_EQ(saved.exitCode, 0) << saved.errors;
+        const auto before = nlohmann::json::parse(saved.output);
+        EXPECT_EQ(before["structure"]["instances"], 10);
+        for (const Arguments& more : {Arguments{}, Arguments{"--instances", "keep"}}) {
+            Arguments loading = more;
+            loading.insert(loading.end(), {"--load-structure", file_, "--json"});
+            const ProgramResult loaded = render(scene, "loaded.pfm", loading);
+            ASSERT_EQ(loaded.exitCode, 0) << loaded.errors;
+            const auto after = nlohmann::json::parse(loaded.output);
+            EXPECT_EQ(after["structure"], before["structure"]);
+            EXPECT_EQ(after["build_s"], 0.0);
+            EXPECT_GT(after["load_s"], 0.0);
+            EXPECT_EQ(bytesOf(folder_ / "loaded.pfm"), bytesOf(folder_ / "flat.pfm"));
+        }
+        for (const char* device : {"cpu", "llvmpipe"}) {
+            EXPECT_EQ(trace("loaded.npy", {"--load-structure", file_, "--device", device}), 10);
+            EXPECT_EQ(bytesOf(folder_ / "loaded.npy"), bytesOf(folder_ / "flat.npy")) << device;
+        }
+    }
+}
+
+TEST_F(StructureCommands, SavedStructuresAreOfInstancesOrOfTheSceneWrittenOut) {
+    const fs::path scene = folder_ / "plantation.glb";
+    writePlantation(scene);
+    const std::string kept = folder_ / "kept", flat = folder_ / "flat";
+    ASSERT_EQ(render(scene, "a.pfm", {"--save-structure", kept}).exitCode, 0);
+    ASSERT_EQ(render(scene, "b.pfm", {"--save-structure", flat, "--instances", "flatten"}).exitCode, 0);
+    EXPECT_LT(fs::file_size(kept), fs::file_size(flat));
+    expectRefusal(render(scene, "c.pfm", {"--load-structure", kept, "--instances", "flatten"}), 3,
+                  kept + ": is of a scene kept as instances; leave out --instances flatten");
+    expectRefusal(render(scene, "c.pfm", {"--load-structure", flat, "--instances", "keep"}), 3,
+                  flat + ": is of a scene written out; leave out --instances keep");
+    expectRefusal(render(box_, "c.pfm", {"--load-structure", kept}), 3, "another scene");
+    EXPECT_FALSE(fs::exists(folder_ / "c.pfm"));
+    for (const std::string& file : {kept, flat}) {
+        const ProgramResult loaded = render(scene, "d.pfm", {"--load-structure", file, "--json"});
+        ASSERT_EQ(loaded.exitCode, 0) << loaded.errors;
+        EXPECT_EQ(nlohmann::json::parse(loaded.output)["structure"]["instances"], file == kept ? 10 : 0);
+        EXPECT_EQ(bytesOf(folder_ / "d.pfm"), bytesOf(folder_ / "a.pfm"));
+    }
+    // Where nothing is kept there is one level, and the file knows that it was to be kept.
+    ASSERT_EQ(render(box_, "a.pfm", {"--save-structure", kept, "--instances", "keep"}).exitCode, 0);
+    ASSERT_EQ(render(box_, "b.pfm", {"--load-structure", kept}).exitCode, 0);
+    EXPECT_EQ(bytesOf(folder_ / "b.pfm"), bytesOf(folder_ / "a.pfm"));
 }
 
 TEST_F(StructureCommands, InfoTellsOfTheSceneAndOfEveryStructure) {
@@ -230,15 +308,7 @@ TEST_F(StructureCommands, AutoTakesTheStructureThatInfoNames) {
 
 /// What `raig trace` counts of rays that look at the box from where its camera is.
 nlohmann::json countersOf(const std::string& scene, const fs::path& folder, const Arguments& more) {
-    std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (100, 8), }";
-    header.resize(117, ' ');
-    std::ofstream file(folder / "rays.npy", std::ios::binary);
-    file << "\x93NUMPY" << '\1' << '\0' << char(118) << '\0' << header << '\n';
-    for (int i = 0; i < 100; ++i) {
-        const float ray[8] = {278, 273, -800, 0, 0.04f * float(i % 10 - 5), 0.04f * float(i / 10 - 5), 1, 1e30f};
-        file.write(reinterpret_cast<const char*>(ray), sizeof ray);
-    }
-    file.close();
+    writeRays(folder / "rays.npy", {278, 273, -800});
     Arguments all = {"trace", scene, "--rays", folder / "rays.npy", "--hits", folder / "hits.npy", "--json"};
     all.insert(all.end(), more.begin(), more.end());
     const ProgramResult result = runProgram(RAIG_PROGRAM, all);

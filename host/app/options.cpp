@@ -148,7 +148,7 @@ void addStructure(CLI::App& app, Options& options, const std::string& more = "au
         CLI::Option* const save =
             app.add_option("--save-structure", options.saveStructure, "write the structure to this file");
         app.add_option("--load-structure", options.loadStructure,
-                       "read the structure from such a file instead of building it")
+                       "read the structure from such a file instead of building it; instances are kept as they are there")
             ->type_name("FILE")
             ->excludes(save->type_name("FILE"));
     }

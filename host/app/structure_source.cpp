@@ -35,10 +35,15 @@ bool usesFile(const Options& options) {
     return !options.saveStructure.empty() || !options.loadStructure.empty();
 }
 
-void checkInstances(const Options& options) {
-    if (options.instances == "keep" && usesFile(options))
-        throw usageError("--instances keep: files hold structures of one level; leave it out, or {}",
-                         options.saveStructure.empty() ? "--load-structure" : "--save-structure");
+/// A scene is kept as instances or written out as it was for the file.
+void checkInstancesOf(const StructureFile& file, const Options& options) {
+    const bool keeps = file.leastTriangles() > 0;
+    if (options.instances == "keep" && !keeps)
+        throw inputError(options.loadStructure,
+                         "is of a scene written out; leave out --instances keep, or write it again with that");
+    if (options.instances == "flatten" && keeps)
+        throw inputError(options.loadStructure,
+                         "is of a scene kept as instances; leave out --instances flatten, or write it again with that");
 }
 
 /// Of all options of structures, only the budget is every structure's.
@@ -55,10 +60,10 @@ void checkAuto(const Options& options) {
 StructureSource::StructureSource(const Options& options) : options_(options), params_(options.buildParams) {
     if (options.accel != "auto") structureType(options.accel);
     checkAuto(options);
-    checkInstances(options);
     if (options.loadStructure.empty()) return;
     file_ = std::make_unique<StructureFile>(options.loadStructure);
     checkIsAskedFor(*file_, options);
+    checkInstancesOf(*file_, options);
 }
 
 Structure StructureSource::choose(const Scene& scene, const Geometry& geometry, std::span<const Primitive> triangles) {
@@ -77,8 +82,9 @@ Structure StructureSource::choose(const Scene& scene, const Geometry& geometry, 
 }
 
 bool StructureSource::keepsInstances(const Scene& scene) const {
+    if (file_) return file_->leastTriangles() > 0;
     if (options_.instances != "auto") return options_.instances == "keep";
-    return !usesFile(options_) && isWorthKeeping(countTriangles(scene, worthwhile));
+    return isWorthKeeping(countTriangles(scene, worthwhile));
 }
 
 template <class Build>
@@ -91,43 +97,39 @@ Structure StructureSource::buildWithin(const Build& build) const {
     return build(options_.buildParams);  // where memory is short, the builder knows better which walk it allows
 }
 
-Structure StructureSource::makeTwoLevels(const Geometry& geometry) {
-    const bool picks = options_.accel == "auto";
-    if (picks) log::note("auto: bvh: the scene is kept as instances; others would have to be tried with all written out");
-    const KeepRule rule = options_.instances == "keep" ? KeepRule{} : worthwhile;
-    const StructureType& type = structureType(picks ? "bvh" : options_.accel);
-    return buildWithin([&](const BuildParams& params) { return buildTwoLevels(placedScene(geometry, rule), type, params); });
+template <class Over, class Build>
+Structure StructureSource::readOrBuild(const Over& over, const Build& build) {
+    const Clock::time_point start = Clock::now();
+    Structure structure = file_ ? file_->read(over) : build();
+    (file_ ? loadSeconds_ : buildSeconds_) = secondsSince(start);
+    if (!options_.saveStructure.empty()) saveStructure(options_.saveStructure, structure, options_.buildParams, over);
+    return structure;
 }
 
-Structure StructureSource::make(const Scene& scene, const Geometry& geometry) {
-    Structure structure;
-    if (geometry.isInstanced()) {
-        const Clock::time_point start = Clock::now();
-        structure = makeTwoLevels(geometry);
-        buildSeconds_ = secondsSince(start);
-    } else {
-        structure = makeOneLevel(scene, geometry);
-    }
-    markSeeThrough(scene, geometry, structure);
-    return structure;
+Structure StructureSource::makeTwoLevels(const Geometry& geometry) {
+    const bool picks = options_.accel == "auto" && !file_;
+    if (picks) log::note("auto: bvh: the scene is kept as instances; others would have to be tried with all written out");
+    const KeepRule rule = file_ ? KeepRule{file_->leastTriangles()} : options_.instances == "keep" ? KeepRule{} : worthwhile;
+    const PlacedScene scene = placedScene(geometry, rule);
+    return readOrBuild(scene, [&] {
+        const StructureType& type = structureType(picks ? "bvh" : options_.accel);
+        return buildWithin([&](const BuildParams& params) { return buildTwoLevels(scene, type, params); });
+    });
 }
 
 Structure StructureSource::makeOneLevel(const Scene& scene, const Geometry& geometry) {
     const std::vector<Primitive> triangles = primitivesOf(geometry);
-    Structure structure;
-    if (file_) {
-        const Clock::time_point start = Clock::now();
-        structure = file_->read(triangles);
-        loadSeconds_ = secondsSince(start);
-    } else {
-        const Clock::time_point start = Clock::now();
-        structure = options_.accel == "auto" ? choose(scene, geometry, triangles)
-                                             : buildWithin([&](const BuildParams& params) {
-                                                   return structureType(options_.accel).build(triangles, params);
-                                               });
-        buildSeconds_ = secondsSince(start);
-    }
-    if (!options_.saveStructure.empty()) saveStructure(options_.saveStructure, structure, options_.buildParams, triangles);
+    const std::span<const Primitive> over = triangles;
+    return readOrBuild(over, [&] {
+        if (options_.accel == "auto") return choose(scene, geometry, over);
+        const StructureType& type = structureType(options_.accel);
+        return buildWithin([&](const BuildParams& params) { return type.build(over, params); });
+    });
+}
+
+Structure StructureSource::make(const Scene& scene, const Geometry& geometry) {
+    Structure structure = geometry.isInstanced() ? makeTwoLevels(geometry) : makeOneLevel(scene, geometry);
+    markSeeThrough(scene, geometry, structure);
     return structure;
 }
 

@@ -13,7 +13,8 @@ namespace raig {
 class StructureSource {
 public:
     /// Throws what is wrong with --accel, and with the start of the file of --load-structure, before a scene is read:
-    /// usageError, or inputError if the file holds another structure, or other options, than are asked for.
+    /// usageError, or inputError if the file holds another structure, or other options, than are asked for, or is of a scene
+    /// written out where instances are to be kept, or the other way around.
     explicit StructureSource(const Options& options);
 
     /// Builds, chooses (--accel auto, and says why) or reads the structure of the scene, saves it if --save-structure is
@@ -26,7 +27,8 @@ public:
     /// Takes that walk, unless the memory budget allows the builder only another. Requires leavesWalkOpen().
     void setWalk(const WalkChoice& choice);
 
-    /// True if the scene is to be kept as instances, by --instances and what it holds. Files of structures have one level.
+    /// True if the scene is to be kept as instances: as it was for the file that is read; else by --instances and what is
+    /// in it.
     bool keepsInstances(const Scene& scene) const;
 
     /// How `structure` came here, in words.
@@ -37,6 +39,9 @@ public:
 private:
     Structure makeOneLevel(const Scene& scene, const Geometry& geometry);
     Structure makeTwoLevels(const Geometry& geometry);
+    /// `over` is what the structure is of: a PlacedScene, or primitives.
+    template <class Over, class Build>
+    Structure readOrBuild(const Over& over, const Build& build);
     template <class Build>
     Structure buildWithin(const Build& build) const;
     Structure choose(const Scene& scene, const Geometry& geometry, std::span<const Primitive> triangles);

@@ -73,7 +73,8 @@ public:
     /// The PlacedScene::leastTriangles with which to read it; 0: it was built over a scene written out.
     uint32_t leastTriangles() const { return header_.leastTriangles; }
 
-    /// Reads the structure, once. Throws, too, if it was built over other triangles. Cost O(references), in parallel in part.
+    /// Reads the structure, once. Throws, too, if it was built over other triangles. Cost O(references), in parallel in
+    /// part.
     Structure read(std::span<const Primitive> triangles);
     /// The same of one that was built over a scene kept as instances. Cost as findTwoLevelFault's.
     Structure read(const PlacedScene& scene);
