@@ -4,6 +4,7 @@
 #include "rays/types.hpp"
 #include "structures/structure.hpp"
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,11 @@ struct Soup {
     std::string name;
     std::vector<Primitive> triangles;
 };
+
+/// Its name, for tests that have it as their parameter.
+inline std::ostream& operator<<(std::ostream& out, const Soup& soup) {
+    return out << soup.name;
+}
 
 /// Ordinary soup, slivers, a flat wall, duplicates, overlaps, one triangle, none, all unusable, some unusable, far from the
 /// origin, tiny, huge, uneven ("teapot in a stadium"), a closed sphere, an axis-aligned room, tilted walls, pages of a book;
