@@ -1,9 +1,9 @@
 // Bsps whose walk is interrupted, or whose arrays are damaged: a walk goes on, ends, and faults are found.
 #include "structures/bsp.hpp"
 
+#include "base/random.hpp"
 #include "rays/cpu_walk.hpp"
 #include "structures/bsp_plane.hpp"
-#include "support/random.hpp"
 #include "support/soups.hpp"
 #include "support/tracing.hpp"
 

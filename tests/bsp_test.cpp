@@ -3,9 +3,9 @@
 #include "structures/bsp.hpp"
 
 #include "base/error.hpp"
+#include "base/random.hpp"
 #include "structures/bsp_plane.hpp"
 #include "support/effort.hpp"
-#include "support/random.hpp"
 #include "support/soups.hpp"
 #include "support/tracing.hpp"
 

@@ -1,6 +1,5 @@
 #include "structures/clip.hpp"
-
-#include "support/random.hpp"
+#include "base/random.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +10,7 @@ using namespace glm;
 
 // Nothing of a triangle in a box is left out of its bounds, and the bounds hold little else.
 TEST(Clip, BoundsThePartOfATriangleInABox) {
-    test::Random random(9);
+    Random random(9);
     for (int trial = 0; trial < 3000; ++trial) {
         const double size = std::pow(10.0, random.within(-4, 0));
         const vec3 centre = random.inCube(-0.9, 0.9);

@@ -2,11 +2,11 @@
 #include "structures/kdtree.hpp"
 
 #include "base/error.hpp"
+#include "base/random.hpp"
 #include "rays/cpu_walk.hpp"
 #include "structures/kdtree_tree.hpp"
 #include "support/cells.hpp"
 #include "support/effort.hpp"
-#include "support/random.hpp"
 #include "support/tracing.hpp"
 
 #include <gtest/gtest.h>
@@ -169,7 +169,7 @@ TEST(KdTree, StaysInItsArraysWhateverItsLinks) {
     const std::vector<Triangle> triangles = test::sphere(12, 1.0, dvec3(0), 0.1);
     const Structure sound = build(triangles);
     const std::vector<Ray> rays = test::rays(triangles, /* seed= */ 7, 200);
-    test::Random random(8);
+    Random random(8);
     for (int trial = 0; trial < 200; ++trial) {
         Structure broken = sound;
         for (uint32_t faults = 1 + random.below(200); faults > 0; --faults) {

@@ -2,9 +2,9 @@
 #include "structures/octree.hpp"
 
 #include "base/error.hpp"
+#include "base/random.hpp"
 #include "rays/cpu_walk.hpp"
 #include "support/cells.hpp"
-#include "support/random.hpp"
 #include "support/tracing.hpp"
 
 #include <gtest/gtest.h>
@@ -165,7 +165,7 @@ TEST(Octree, StaysInItsArraysWhateverItsLinks) {
     const std::vector<Triangle> triangles = test::sphere(12, 1.0, dvec3(0), 0.1);
     const Structure sound = build(triangles);
     const std::vector<Ray> rays = test::rays(triangles, /* seed= */ 7, 100);
-    test::Random random(8);
+    Random random(8);
     for (int trial = 0; trial < 100; ++trial) {
         Structure broken = sound;
         for (uint32_t faults = 1 + random.below(200); faults > 0; --faults) {

@@ -1,7 +1,7 @@
 // Shading, part by part: sampling numbers, Fresnel, refraction, absorption, normals and spawned rays.
+#include "base/random.hpp"
 #include "rays/frame_kernels.hpp"
 #include "rays/tracer.hpp"
-#include "support/random.hpp"
 #include "support/soups.hpp"
 
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // Spheres in pictures: rays that leave them, what shading makes of them, on every device and against the reference.
+#include "base/random.hpp"
 #include "measure/compare.hpp"
 #include "measure/compare_rays.hpp"
 #include "rays/frame_kernels.hpp"
 #include "support/devices.hpp"
-#include "support/random.hpp"
 #include "support/rendering.hpp"
 
 #include <algorithm>
@@ -38,7 +38,7 @@ Scene variedScene() {
 // far end of its chord; and it starts nearer to the surface than 8 ULP of the largest coordinate.
 TEST(SpheresRays, LeaveThemOnTheRightSide) {
     shared::FrameKernels code;
-    test::Random random(31);
+    Random random(31);
     size_t outwards = 0, inwards = 0;
     for (const double size : {1e-6, 1e-3, 1.0, 1e3, 1e6})
         for (const dvec3& place : {dvec3(0), dvec3(1e4, -1e4, 1e4), dvec3(-1e6, 1e6, 1e6)}) {

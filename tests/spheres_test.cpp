@@ -80,7 +80,7 @@ double reachOf(const Ray& ray, const Box& box) {
 // by 5.2 times what half a unit in the last place of centre, radius or origin changes it by (0.6 on average); and misses and
 // phantoms were within 3 u M of tangency.
 TEST(Spheres, AreHitWhereExactArithmeticHitsThem) {
-    test::Random random(1);
+    Random random(1);
     double worstOffset = 0.0, worstError = 0.0, worstTangency = 0.0;
     size_t rays = 0, hitCount = 0, missed = 0, phantoms = 0;
     for (const double scale : {1.0, 1e-13, 2e9})
@@ -125,7 +125,7 @@ TEST(Spheres, AreHitWhereExactArithmeticHitsThem) {
 }
 
 TEST(Spheres, AreMetFromInsideInEveryDirection) {
-    test::Random random(2);
+    Random random(2);
     for (const double scale : {1e-13, 1.0, 2e9})
         for (const double depth : {1e-6, 1e-3, 0.5, 1.0}) {
             const Primitive sphere = Primitive::sphere(vec3(scale * dvec3(0.1, -0.2, 0.3)), static_cast<float>(0.8 * scale));
@@ -147,7 +147,7 @@ TEST(Spheres, AroundOneCentreComeInOrder) {
     for (int i = 0; i < 50; ++i)
         shells.push_back(Primitive::sphere(vec3(0.3f, 0.1f, -0.2f), 1.0f + 4e-5f * static_cast<float>(i)));
     const Structure structure = structureType("bvh").build(shells, {});
-    test::Random random(3);
+    Random random(3);
     std::vector<Ray> rays;
     for (int i = 0; i < 20'000; ++i) rays.push_back(test::rayAtSphere(shells[i % 2 == 0 ? 0 : 49], random));
     std::vector<Hit> hits(rays.size());
@@ -200,7 +200,7 @@ TEST(Spheres, ShareDistancesByTheLowestId) {
 }
 
 TEST(Spheres, HaveTheSmallestBoxOfFloatsAroundThem) {
-    test::Random random(4);
+    Random random(4);
     for (int i = 0; i < 100'000; ++i) {
         const auto centre = static_cast<float>(random.within(-1, 1) * std::pow(10.0, random.within(-12, 12)));
         const auto radius = static_cast<float>(std::pow(10.0, random.within(-12, 12)));  // sums of which fit 113 bits
@@ -211,7 +211,7 @@ TEST(Spheres, HaveTheSmallestBoxOfFloatsAroundThem) {
     }
 }
 
-Box randomBox(test::Random& random, double size) {
+Box randomBox(Random& random, double size) {
     const dvec3 at(random.inCube(-1, 1));
     Box box;
     for (int i = 0; i < 2; ++i) box.grow(vec3(at + size * dvec3(random.inCube(-1, 1))));
@@ -220,7 +220,7 @@ Box randomBox(test::Random& random, double size) {
 
 // Wherever the surface enters a box there is a part of it, with a box around it; where it clearly does not, there is none.
 TEST(Spheres, MeetBoxesWhereTheirSurfaceDoes) {
-    test::Random random(5);
+    Random random(5);
     size_t met = 0, apart = 0, hollow = 0;
     for (int i = 0; i < 4000; ++i) {
         const Primitive sphere =
@@ -269,7 +269,7 @@ TEST(Spheres, AreReferredToByTheirSurface) {
 }
 
 TEST(ReferenceSphere, CrossesWhereExactArithmeticDoes) {
-    test::Random random(6);
+    Random random(6);
     for (int i = 0; i < 100'000; ++i) {
         const Primitive sphere =
             Primitive::sphere(random.inCube(-1, 1), static_cast<float>(std::pow(10.0, random.within(-6, 0))));
@@ -292,7 +292,7 @@ TEST(ReferenceSphere, CrossesWhereExactArithmeticDoes) {
 }
 
 TEST(ReferenceSphere, NearestPointsAreNearest) {
-    test::Random random(7);
+    Random random(7);
     for (int i = 0; i < 300; ++i) {
         const vec3 centre = random.inCube(-1, 1);
         const auto radius = static_cast<float>(random.within(0.1, 1.0));

@@ -1,5 +1,6 @@
 // The walk of bvh over nodes that hold their children's boxes: in pieces, over broken links, and against a full stack.
 #include "base/error.hpp"
+#include "base/random.hpp"
 #include "measure/ray_sets.hpp"
 #include "rays/cpu_walk.hpp"
 #include "rays/primitives.hpp"
@@ -7,7 +8,6 @@
 #include "structures/bvh.hpp"
 #include "structures/bvh_trail.hpp"
 #include "support/full_stack.hpp"
-#include "support/random.hpp"
 #include "support/soups.hpp"
 
 #include <gtest/gtest.h>
@@ -175,7 +175,7 @@ TEST(Trail, IsWalkedInPiecesOfAnySize) {
 TEST(Trail, StaysInItsArraysWhateverItsLinks) {
     const std::vector<Triangle> triangles = test::sphere(9, 1.0, dvec3(0), 0.1);
     const std::vector<Ray> rays = test::rays(triangles, /* seed= */ 7, 60);
-    test::Random random(8);
+    Random random(8);
     forEachWalk([&](auto walk) {
         const Structure sound = bvh::build(triangles, paramsOf(walk));
         for (int trial = 0; trial < 60; ++trial) {

@@ -1,6 +1,6 @@
 // The triangle-box overlap test against points that are known exactly, and against clipping in quadruple precision.
 #include "structures/triangle_box.hpp"
-#include "support/random.hpp"
+#include "base/random.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,6 @@
 
 namespace raig {
 namespace {
-
-using test::Random;
 
 struct Cell {
     dvec3 lo, hi;

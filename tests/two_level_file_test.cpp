@@ -3,13 +3,13 @@
 
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/random.hpp"
 #include "rays/lights.hpp"
 #include "rays/placed_scene.hpp"
 #include "rays/primitives.hpp"
 #include "rays/tracer.hpp"
 #include "support/effort.hpp"
 #include "support/groves.hpp"
-#include "support/random.hpp"
 #include "support/soups.hpp"
 #include "support/variants.hpp"
 
@@ -33,7 +33,7 @@ Scene clearing() {
     Scene scene;
     scene.materials.resize(2);
     scene.materials[1].transmission = 1.0f;
-    test::Random random(7);
+    Random random(7);
     for (const int triangles : {5, 4, 2}) {
         Mesh mesh;
         for (int i = 0; i < 3 * triangles; ++i) mesh.positions.push_back(random.inCube(-1, 1));
@@ -173,7 +173,7 @@ void TwoLevelFiles::expectRefusedOrGood(const StructureType& type) {
                           std::as_writable_bytes(std::span(&s.header, 1)), std::as_writable_bytes(std::span(s.bottoms)),
                           std::as_writable_bytes(std::span(&s.instances, 1))};
     };
-    test::Random random(17);
+    Random random(17);
     const auto below = [&](size_t count) { return static_cast<size_t>(random.unit() * static_cast<double>(count)); };
     const size_t rounds = test::isLong() ? 50'000 : test::affordable(300);
     for (size_t round = 0; round < rounds; ++round) {

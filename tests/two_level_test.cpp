@@ -2,6 +2,7 @@
 #include "structures/two_level.hpp"
 
 #include "base/error.hpp"
+#include "base/random.hpp"
 #include "rays/lights.hpp"
 #include "rays/placed_scene.hpp"
 #include "rays/primitives.hpp"
@@ -10,7 +11,6 @@
 #include "support/devices.hpp"
 #include "support/effort.hpp"
 #include "support/groves.hpp"
-#include "support/random.hpp"
 #include "support/soups.hpp"
 #include "support/variants.hpp"
 
@@ -303,7 +303,7 @@ TEST_P(TwoLevelsOnDevice, TakeUpLongWalksWhereTheyStopped) {
         scene.instances.push_back({0, turned});
     }
     Case c({"piles", scene}, 0);
-    test::Random random(4);
+    Random random(4);
     for (int i = 0; i < 60; ++i) c.rays.push_back({random.inCube(-1, 1) * vec3(1, 1, 0), 0.0f, vec3(0, 0, 1), 10.0f});
     c.closest.resize(c.rays.size());
     makeCpuTracer(structureType("bvh").build(c.triangles, {}))->trace(c.rays, c.closest, Query::closest);

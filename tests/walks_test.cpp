@@ -2,13 +2,13 @@
 // see matrix_test.cpp.
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "base/random.hpp"
 #include "rays/primitives.hpp"
 #include "rays/tracer.hpp"
 #include "scene/geometry.hpp"
 #include "scene/import.hpp"
 #include "support/devices.hpp"
 #include "support/effort.hpp"
-#include "support/random.hpp"
 #include "support/soups.hpp"
 #include "support/variants.hpp"
 
@@ -65,7 +65,7 @@ TEST_P(EveryDevice, TakesUpLongWalksWhereTheyStopped) {
     std::vector<Triangle> pile(40'000, one);
     pile.back() = {vec3(-1, -1, 0.5f), vec3(1, -1, 0.5f), vec3(0, 1, 0.5f)};
     std::vector<Ray> rays;
-    test::Random random(4);
+    Random random(4);
     for (int i = 0; i < 100; ++i) rays.push_back({random.inCube(-1, 1) * vec3(1, 1, 0), 0.0f, vec3(0, 0, 1), 10.0f});
     std::vector<test::Variant> variants = {{"bvh", {.walk = "trail"}}};
     for (const StructureType& type : structureTypes()) variants.push_back({std::string(type.name), {}});
@@ -167,7 +167,7 @@ std::vector<Ray> raysAtEdges(const std::vector<Triangle>& mesh, const dvec3& cen
                              size_t count) {
     std::vector<Ray> rays(count);
     parallelFor(count, 65536, [&](size_t begin, size_t end) {
-        test::Random random(seed + begin);
+        Random random(seed + begin);
         for (size_t i = begin; i < end; ++i) {
             const Triangle& t = mesh[random.below(static_cast<uint32_t>(mesh.size()))];
             const double f = i % 2 == 0 ? 0.0 : random.unit();

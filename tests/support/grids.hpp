@@ -1,9 +1,9 @@
 /// What tests of grids have in common: rays aimed at cells, walks stopped and taken up again at will, and a crowded scene.
 #pragma once
 
+#include "base/random.hpp"
 #include "rays/types.hpp"
 #include "structures/structure.hpp"
-#include "support/random.hpp"
 
 #include <string>
 #include <vector>

@@ -1,6 +1,6 @@
 #include "support/groves.hpp"
 
-#include "support/random.hpp"
+#include "base/random.hpp"
 #include "support/soups.hpp"
 
 namespace raig::test {

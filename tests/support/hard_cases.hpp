@@ -1,9 +1,9 @@
 /// The catalogue of hard cases (sections 1 to 3): triangles and rays by the recipe of each case.
 #pragma once
 
+#include "base/random.hpp"
 #include "rays/types.hpp"
 #include "structures/structure.hpp"
-#include "support/random.hpp"
 
 #include <array>
 #include <string>

@@ -1,6 +1,6 @@
 #include "support/soups.hpp"
 
-#include "support/random.hpp"
+#include "base/random.hpp"
 #include "support/sphere_soups.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 /// Spheres to build over, and rays to send at them.
 #pragma once
 
-#include "support/random.hpp"
+#include "base/random.hpp"
 #include "support/soups.hpp"
 
 namespace raig::test {

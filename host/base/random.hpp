@@ -1,11 +1,12 @@
-/// Repeatable random numbers for tests: the same on every machine and compiler.
+/// Repeatable random numbers: the same on every machine and compiler.
 #pragma once
 
 #include "base/vectors.hpp"
 
+#include <cmath>
 #include <cstdint>
 
-namespace raig::test {
+namespace raig {
 
 /// SplitMix64 [Steele, Lea, Flood 2014, "Fast Splittable Pseudorandom Number Generators"].
 class Random {
@@ -35,4 +36,4 @@ private:
     uint64_t state_;
 };
 
-}  // namespace raig::test
+}  // namespace raig
