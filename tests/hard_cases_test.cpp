@@ -7,20 +7,20 @@
 namespace raig {
 namespace {
 
-class HardCase : public testing::TestWithParam<int> {};
+class HardCase : public testing::TestWithParam<uint32_t> {};
 
 TEST_P(HardCase, BruteForceIsExact) {
-    test::expectBruteForceIsExact(test::hardCase(GetParam()));
+    test::expectBruteForceIsExact(GetParam());
 }
 
 TEST_P(HardCase, EveryStructureAnswersAsBruteForce) {
-    test::expectEveryStructureAnswersAsBruteForce(test::hardCase(GetParam()));
+    test::expectEveryStructureAnswersAsBruteForce(GetParam());
 }
 
 const auto byNumber = [](const auto& info) { return test::nameOfCase(info.param); };
-INSTANTIATE_TEST_SUITE_P(Boxes, HardCase, testing::ValuesIn(test::numbersOf(test::boxCases())), byNumber);
-INSTANTIATE_TEST_SUITE_P(Triangles, HardCase, testing::ValuesIn(test::numbersOf(test::triangleCases())), byNumber);
-INSTANTIATE_TEST_SUITE_P(Cells, HardCase, testing::ValuesIn(test::numbersOf(test::cellCases())), byNumber);
+INSTANTIATE_TEST_SUITE_P(Boxes, HardCase, testing::ValuesIn(test::numbersOf(hard::boxCases())), byNumber);
+INSTANTIATE_TEST_SUITE_P(Triangles, HardCase, testing::ValuesIn(test::numbersOf(hard::triangleCases())), byNumber);
+INSTANTIATE_TEST_SUITE_P(Cells, HardCase, testing::ValuesIn(test::numbersOf(hard::cellCases())), byNumber);
 
 }  // namespace
 }  // namespace raig

@@ -1,7 +1,7 @@
 // The hard cases are hard: textbook methods fail on their very rays, most of them about as often as the catalogue says.
+#include "measure/naive.hpp"
+#include "measure/oracle.hpp"
 #include "support/hard_cases.hpp"
-#include "support/naive.hpp"
-#include "support/oracle.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,12 +11,11 @@
 namespace raig {
 namespace {
 
-using test::HardScene;
-using test::Oracle;
-using test::Tally;
-using test::naive::Dda;
-using test::naive::Slab;
-using test::naive::Tester;
+using hard::Oracle;
+using hard::Tally;
+using hard::naive::Dda;
+using hard::naive::Slab;
+using hard::naive::Tester;
 
 /// A rate in percent that is within a factor of two of the catalogue's; it has ranges, too.
 void expectAbout(double percent, double least, double most, const std::string& what) {
@@ -29,7 +28,7 @@ void expectAbout(double percent, double catalogued, const std::string& what) {
 
 /// In how many of a hundred rays that hit something, in exact arithmetic, `fails(scene, ray, hit)`.
 template <class Fails>
-double rateOf(const HardScene& scene, const Fails& fails) {
+double rateOf(const hard::Scene& scene, const Fails& fails) {
     const Oracle oracle(scene.triangles);
     size_t hits = 0, failed = 0;
     for (const Ray& ray : scene.rays) {
@@ -42,22 +41,22 @@ double rateOf(const HardScene& scene, const Fails& fails) {
     return 100.0 * double(failed) / double(std::max<size_t>(hits, 1));
 }
 
-HardScene sceneOf(int number, size_t index = 0) {
-    return test::hardCase(number).make().at(index);
+hard::Scene sceneOf(uint32_t number, size_t index = 0) {
+    return test::hardScenes(number).at(index);
 }
 
 /// How often the formula misses the box of the triangle that is hit.
-double missRate(int number, Slab slab) {
-    return rateOf(sceneOf(number), [slab](const HardScene& scene, const Ray& ray, uint32_t hit) {
-        return !test::naive::meets(slab, scene.triangles[hit].box(), ray);
+double missRate(uint32_t number, Slab slab) {
+    return rateOf(sceneOf(number), [slab](const hard::Scene& scene, const Ray& ray, uint32_t hit) {
+        return !hard::naive::meets(slab, scene.triangles[hit].box(), ray);
     });
 }
 
 /// How often no triangle is hit where one is.
-double missRate(const HardScene& scene, Tester tester) {
-    return rateOf(scene, [tester](const HardScene& s, const Ray& ray, uint32_t) {
+double missRate(const hard::Scene& scene, Tester tester) {
+    return rateOf(scene, [tester](const hard::Scene& s, const Ray& ray, uint32_t) {
         return std::none_of(s.triangles.begin(), s.triangles.end(), [&](const Triangle& t) {
-            const auto at = test::naive::meets(tester, t, ray);
+            const auto at = hard::naive::meets(tester, t, ray);
             return at && *at >= ray.tMin && *at <= ray.tMax;
         });
     });
@@ -83,7 +82,7 @@ TEST(HardCaseControls, BoxesAreMissedByTextbookSlabs) {
 
 // Ize's formula passes them all: so the boxes and rays are right, and it is the others that fail.
 TEST(HardCaseControls, BoxesAreMetByAFormulaWithSlack) {
-    for (const int number : {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12})
+    for (const uint32_t number : {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12})
         EXPECT_EQ(missRate(number, Slab::slack), 0.0) << "case " << number;
 }
 
@@ -102,12 +101,12 @@ TEST(HardCaseControls, MeshesLeakWithTextbookTriangles) {
 
 // Case 24: hits that are nowhere near their slivers.
 TEST(HardCaseControls, SliversAreHitWhereTheyAreNot) {
-    const HardScene scene = sceneOf(24);
+    const hard::Scene scene = sceneOf(24);
     const Oracle oracle(scene.triangles);
     size_t unsound = 0;
     for (const Ray& ray : scene.rays)
         for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
-            const auto t = test::naive::meets(Tester::moellerTrumbore, scene.triangles[i], ray);
+            const auto t = hard::naive::meets(Tester::moellerTrumbore, scene.triangles[i], ray);
             if (!t || *t < 0.0f) continue;
             unsound += oracle.judge(std::span(&ray, 1), std::vector<Hit>{{*t, 0.0f, 0.0f, i}}, false).unsound;
         }
@@ -120,16 +119,16 @@ struct Losses {
     double skips = 0.0;    ///< a cell that the ray is in is not, or the walk does not end
 };
 
-Losses lossesOf(const HardScene& scene, Dda dda, uint32_t n = 24, double side = 0.0) {
+Losses lossesOf(const hard::Scene& scene, Dda dda, uint32_t n = 24, double side = 0.0) {
     Box box;
     for (const Triangle& t : scene.triangles) box.grow(t.box());
     if (side > 0.0) box.hi = box.lo + vec3(static_cast<float>(side));
     size_t rays = 0, nothing = 0, skips = 0;
     for (const Ray& ray : scene.rays) {
-        const auto want = test::naive::cellsOf(Dda::sound, box, n, ray);
+        const auto want = hard::naive::cellsOf(Dda::sound, box, n, ray);
         if (!want || want->empty()) continue;
         ++rays;
-        const auto got = test::naive::cellsOf(dda, box, n, ray);
+        const auto got = hard::naive::cellsOf(dda, box, n, ray);
         std::set<uint32_t> visited;
         if (got)
             for (const auto& visit : *got) visited.insert(visit.cell);
@@ -155,9 +154,9 @@ TEST(HardCaseControls, GridsLoseWallsWithoutAMargin) {
     double worst = 0.0;
     const std::array<uint32_t, 4> cells{3, 5, 7, 12};
     for (size_t i = 0; i < cells.size(); ++i) {
-        const HardScene scene = sceneOf(39, i);
-        const test::naive::Grid grid(scene.triangles, cells[i]);
-        worst = std::max(worst, rateOf(scene, [&](const HardScene&, const Ray& ray, uint32_t hit) {
+        const hard::Scene scene = sceneOf(39, i);
+        const hard::naive::Grid grid(scene.triangles, cells[i]);
+        worst = std::max(worst, rateOf(scene, [&](const hard::Scene&, const Ray& ray, uint32_t hit) {
                              const uint32_t got = grid.closest(ray, /* first= */ false);
                              return got != hit && got != NO_HIT ? false : got == NO_HIT;
                          }));
@@ -166,11 +165,11 @@ TEST(HardCaseControls, GridsLoseWallsWithoutAMargin) {
 }
 
 TEST(HardCaseControls, GridsFindTheWrongTriangleOutsideTheCell) {
-    const HardScene scene = sceneOf(40);
-    const test::naive::Grid grid(scene.triangles, 12);
+    const hard::Scene scene = sceneOf(40);
+    const hard::naive::Grid grid(scene.triangles, 12);
     const auto wrongRate = [&](bool first) {
         return rateOf(scene,
-                      [&](const HardScene&, const Ray& ray, uint32_t hit) { return grid.closest(ray, first) != hit; });
+                      [&](const hard::Scene&, const Ray& ray, uint32_t hit) { return grid.closest(ray, first) != hit; });
     };
     EXPECT_GT(wrongRate(/* first= */ true), 1.0);
     EXPECT_LT(wrongRate(/* first= */ false), 1.0);
@@ -178,10 +177,10 @@ TEST(HardCaseControls, GridsFindTheWrongTriangleOutsideTheCell) {
 
 TEST(HardCaseControls, KdTreesLoseWallsInTheirPlanes) {
     const Box box{vec3(0), vec3(4)};
-    for (const int number : {47, 48, 49})
+    for (const uint32_t number : {47, 48, 49})
         EXPECT_GT(rateOf(sceneOf(number),
-                         [&](const HardScene& scene, const Ray& ray, uint32_t) {
-                             return test::naive::closestByKdTree(scene.triangles, box, ray) == NO_HIT;
+                         [&](const hard::Scene& scene, const Ray& ray, uint32_t) {
+                             return hard::naive::closestByKdTree(scene.triangles, box, ray) == NO_HIT;
                          }),
                   1.0)
             << "case " << number;
@@ -189,7 +188,7 @@ TEST(HardCaseControls, KdTreesLoseWallsInTheirPlanes) {
 
 // The judge sees what it is for: hits that are left out, invented, of another triangle, or in the wrong place.
 TEST(HardCaseControls, TheOracleNoticesEachKindOfFailure) {
-    const HardScene scene = sceneOf(13);
+    const hard::Scene scene = sceneOf(13);
     const Oracle oracle(scene.triangles);
     std::vector<Hit> exact;
     for (const Ray& ray : scene.rays) exact.push_back(oracle.closest(ray));
@@ -200,14 +199,14 @@ TEST(HardCaseControls, TheOracleNoticesEachKindOfFailure) {
     };
     const size_t spoiled = (exact.size() + 9) / 10;
     EXPECT_EQ(judge([](Hit&, size_t) {}).failures(), 0u);
-    EXPECT_EQ(judge([](Hit& hit, size_t) { hit.primitive = NO_HIT; }).of(test::Verdict::missed), spoiled);
-    EXPECT_EQ(judge([](Hit& hit, size_t) { hit.t *= 1.001f; }).of(test::Verdict::wrong), spoiled);
+    EXPECT_EQ(judge([](Hit& hit, size_t) { hit.primitive = NO_HIT; }).of(hard::Verdict::missed), spoiled);
+    EXPECT_EQ(judge([](Hit& hit, size_t) { hit.t *= 1.001f; }).of(hard::Verdict::wrong), spoiled);
     EXPECT_EQ(judge([](Hit& hit, size_t) { hit.t *= 1.001f; }).unsound, spoiled);
     const Tally moved = judge([&](Hit& hit, size_t i) { hit.primitive = exact[(i + 5) % exact.size()].primitive; });
     EXPECT_GE(moved.unsound, spoiled * 9 / 10);  // a few are neighbours
     std::vector<Ray> outwards = scene.rays;
     for (Ray& ray : outwards) ray.tMax = 1e-3f;
-    EXPECT_EQ(oracle.judge(outwards, exact, false).of(test::Verdict::phantom), exact.size());
+    EXPECT_EQ(oracle.judge(outwards, exact, false).of(hard::Verdict::phantom), exact.size());
 }
 
 }  // namespace

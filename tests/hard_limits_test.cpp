@@ -25,8 +25,6 @@
 namespace raig {
 namespace {
 
-using test::HardScene;
-
 std::vector<Hit> trace(const Structure& structure, const std::vector<Ray>& rays) {
     std::vector<Hit> hits(rays.size());
     makeCpuTracer(structure)->trace(rays, hits, Query::closest);
@@ -56,7 +54,7 @@ std::vector<Hit> traceHere(const Structure& structure, const std::vector<Ray>& r
 
 // Case 10 on processors, or devices, that know no denormals.
 TEST(HardCase10, EveryStructureAnswersAsBruteForceWhereDenormalsAreZeros) {
-    for (const HardScene& scene : test::hardCase(10).make()) {
+    for (const hard::Scene& scene : test::hardScenes(10)) {
         const Structure brute = structureType("brute").build(scene.triangles, {});
         const std::vector<Hit> kept = trace(brute, scene.rays);
         std::vector<Hit> want;
@@ -79,7 +77,7 @@ TEST(HardCase10, EveryStructureAnswersAsBruteForceWhereDenormalsAreZeros) {
 
 // Case 22: whichever copy comes first in the structure, and in space.
 TEST(HardCase22, TheLowestOfCopiesIsHit) {
-    for (const HardScene& scene : test::hardCase(22).make()) {
+    for (const hard::Scene& scene : test::hardScenes(22)) {
         const auto lowestCopy = [&](uint32_t hit) {
             for (uint32_t i = 0; i < hit; ++i)
                 if (std::memcmp(&scene.triangles[i], &scene.triangles[hit], sizeof(Triangle)) == 0) return i;
@@ -95,8 +93,8 @@ TEST(HardCase22, TheLowestOfCopiesIsHit) {
 
 // Cases 23, 42, 44, 45 and 47: where halving space or boxes gains nothing, and must stop. No option is given.
 TEST(HardCases23To47, StructuresStaySmallAndShallow) {
-    for (const int number : {23, 42, 44, 45, 47})
-        for (const HardScene& scene : test::hardCase(number).make())
+    for (const uint32_t number : {23, 42, 44, 45, 47})
+        for (const hard::Scene& scene : test::hardScenes(number))
             for (const StructureType& type : structureTypes()) {
                 const auto start = std::chrono::steady_clock::now();
                 const StructureStatistics built = type.build(scene.triangles, {}).statistics;
@@ -113,8 +111,8 @@ TEST(HardCases23To47, StructuresStaySmallAndShallow) {
 }
 
 TEST(HardCases23To47, StructuresKeepTheirInvariants) {
-    for (const int number : {44, 45, 47})
-        for (const HardScene& scene : test::hardCase(number).make())
+    for (const uint32_t number : {44, 45, 47})
+        for (const hard::Scene& scene : test::hardScenes(number))
             for (const test::Variant& variant : test::isLong() ? test::allVariants() : test::walkVariants()) {
                 const Structure structure = variant.build(scene.triangles);
                 EXPECT_EQ(structureType(variant.structure).findFault(structure, scene.triangles), std::nullopt) << variant;
@@ -187,7 +185,7 @@ TEST(HardCase30, NearlyNothingMakesAPicture) {
 
 // Case 31: what is no ray costs nothing: no node is fetched, no triangle tested.
 TEST(HardCase31, RaysThatAreNoneCostNothing) {
-    for (const HardScene& scene : test::hardCase(31).make()) {
+    for (const hard::Scene& scene : test::hardScenes(31)) {
         std::vector<Ray> none;
         for (size_t i = 0; i < scene.rays.size(); ++i)
             if (i % 8 != 7) none.push_back(scene.rays[i]);

@@ -117,27 +117,6 @@ std::vector<Triangle> pages(size_t count) {
 
 }  // namespace
 
-std::vector<Triangle> sphere(uint32_t rings, double radius, dvec3 centre, double bumps) {
-    const uint32_t columns = 2 * rings;
-    std::vector<std::vector<vec3>> points(rings + 1, std::vector<vec3>(columns));
-    for (uint32_t i = 0; i <= rings; ++i)
-        for (uint32_t j = 0; j < columns; ++j) {
-            const double theta = std::numbers::pi * i / rings, phi = 2.0 * std::numbers::pi * j / columns;
-            const bool pole = i == 0 || i == rings;
-            const double r = radius * (1.0 + (pole ? 0.0 : bumps * std::sin(5 * theta) * std::sin(7 * phi)));
-            const double s = pole ? 0.0 : std::sin(theta);
-            points[i][j] = vec3(centre + r * dvec3(s * std::cos(phi), std::cos(theta), s * std::sin(phi)));
-        }
-    std::vector<Triangle> triangles;
-    for (uint32_t i = 0; i < rings; ++i)
-        for (uint32_t j = 0; j < columns; ++j) {
-            const uint32_t next = (j + 1) % columns;
-            if (i > 0) triangles.push_back({points[i][j], points[i][next], points[i + 1][j]});
-            if (i + 1 < rings) triangles.push_back({points[i][next], points[i + 1][next], points[i + 1][j]});
-        }
-    return triangles;
-}
-
 std::vector<Soup> soups() {
     const std::vector<Triangle> ordinary = randomTriangles(1, 2000, 0.1);
     const Triangle one{vec3(-0.5f, -0.5f, 0.0f), vec3(0.5f, -0.25f, 0.125f), vec3(0.0f, 0.5f, 0.25f)};
@@ -301,11 +280,6 @@ std::vector<Ray> rays(const std::vector<Triangle>& triangles, uint64_t seed, siz
         result.push_back(ray);
     }
     return result;
-}
-
-std::string describe(const Ray& r) {
-    return fmt::format("o ({:.9g}, {:.9g}, {:.9g}) d ({:.9g}, {:.9g}, {:.9g}) t [{:.9g}, {:.9g}]", r.origin.x, r.origin.y,
-                       r.origin.z, r.direction.x, r.direction.y, r.direction.z, r.tMin, r.tMax);
 }
 
 }  // namespace raig::test

@@ -1,6 +1,8 @@
 /// Triangles and spheres to build over and rays to send at them: the ordinary and the hostile.
 #pragma once
 
+#include "measure/hard_meshes.hpp"
+#include "measure/oracle.hpp"
 #include "rays/types.hpp"
 #include "structures/structure.hpp"
 
@@ -28,15 +30,13 @@ std::vector<Soup> soups();
 /// The triangles of the one of soups() that has this name. Throws where none does.
 std::vector<Triangle> soupNamed(const std::string& name);
 
-/// A closed triangle mesh of a bumpy sphere: `rings` x 2 `rings`, the vertices shared exactly.
-std::vector<Triangle> sphere(uint32_t rings, double radius, dvec3 centre, double bumps = 0.0);
+using hard::sphere;
 
 /// Rays of every family, in turn: random, axis-aligned with +0 and -0, from inside, at vertices, at points of edges, along
 /// the faces of bounding boxes, at corners of boxes, nearly parallel to an axis, in the planes of triangles and nearly so or
 /// past silhouettes of spheres, not normalised, short intervals.
 std::vector<Ray> rays(const std::vector<Triangle>& triangles, uint64_t seed, size_t count);
 
-/// "o (..) d (..) t [..]" with all digits, to be pasted into a test.
-std::string describe(const Ray& ray);
+using hard::describe;
 
 }  // namespace raig::test

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-namespace raig::test::naive {
+namespace raig::hard::naive {
 
 /// Whether the ray meets the box at some distance in [tMin, tMax], by one formula or another.
 enum class Slab {
@@ -68,4 +68,4 @@ private:
 /// its lower side, and a side is visited only if the ray is in it for longer than a moment. NO_HIT if none is found.
 uint32_t closestByKdTree(const std::vector<Triangle>& triangles, const Box& box, const Ray& ray);
 
-}  // namespace raig::test::naive
+}  // namespace raig::hard::naive

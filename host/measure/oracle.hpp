@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace raig::test {
+namespace raig::hard {
 
 #ifdef __SIZEOF_FLOAT128__
 using Exact = __float128;
@@ -21,6 +21,10 @@ using Exact = long double;
 
 /// How a hit found in floats compares with the exact one (the catalogue of hard cases, section 6.1).
 enum class Verdict { same, tie, missed, phantom, wrong };
+
+/// "o (..) d (..) t [..]" and "triangle .. t .. u .. v ..", with all digits.
+std::string describe(const Ray& ray);
+std::string describe(const Hit& hit);
 
 /// Verdicts of many rays. `open` rays have none, see Oracle.
 struct Tally {
@@ -105,4 +109,4 @@ private:
     std::vector<Edge> edges_;
 };
 
-}  // namespace raig::test
+}  // namespace raig::hard

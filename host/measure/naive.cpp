@@ -1,10 +1,10 @@
-#include "support/naive.hpp"
+#include "measure/naive.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace raig::test::naive {
+namespace raig::hard::naive {
 
 namespace {
 
@@ -239,4 +239,4 @@ uint32_t closestByKdTree(const std::vector<Triangle>& triangles, const Box& box,
     return descend(met, triangles, box, ray, ray.tMin, ray.tMax);
 }
 
-}  // namespace raig::test::naive
+}  // namespace raig::hard::naive

@@ -1,11 +1,14 @@
 // Cases 1 to 12: rays that meet boxes in their faces, edges and corners. What is hit are the cut faces of closed boxes: the
 // boxes around their triangles, and around groups of them, have their sides in the cuts.
-#include "support/hard_cases.hpp"
+#include "measure/hard_cases.hpp"
+#include "measure/hard_meshes.hpp"
+
+#include <fmt/format.h>
 
 #include <cmath>
 #include <limits>
 
-namespace raig::test {
+namespace raig::hard {
 
 namespace {
 
@@ -19,8 +22,8 @@ struct City {
     dvec3 centre;
 };
 
-City city(uint64_t seed, int side, double pitch, const dvec3& centre, int inner = 3) {
-    Random random(seed);
+City city(const Draw& draw, uint64_t seed, int side, double pitch, const dvec3& centre, int inner = 3) {
+    Random random = draw.random(seed);
     City result{{}, {}, pitch, centre};
     for (int i = 0; i < side * side * side; ++i) {
         const dvec3 cell(i % side, i / side % side, i / (side * side));
@@ -69,18 +72,18 @@ vec3 originBefore(const Place& place, const City& city, Random& random) {
 
 /// Makes rays of `ray(place, random)` at places with so many coordinates on cuts.
 template <class MakeRay>
-HardScene sceneOf(const char* name, const City& city, uint64_t seed, uint32_t onCuts, MakeRay ray) {
-    HardScene scene{name, city.triangles, {}, false, 0.03};
-    Random random(seed);
-    while (scene.rays.size() < raysOf(800))
+Scene sceneOf(const Draw& draw, const char* name, const City& city, uint64_t seed, uint32_t onCuts, MakeRay ray) {
+    Scene scene{name, city.triangles, {}, false, 0.03};
+    Random random = draw.random(seed);
+    while (scene.rays.size() < draw.rays(800))
         scene.rays.push_back(ray(placeOnFace(anyBox(city, random), random, onCuts), random));
     return scene;
 }
 
 /// Cases 1 and 2: along an axis, in the planes of one or two faces of boxes.
-std::vector<HardScene> alongFaces(uint32_t onCuts) {
-    const City boxes = city(1, 3, 1.0, dvec3(0.3, -0.2, 0.1));
-    return {sceneOf("axis rays", boxes, 11 + onCuts, onCuts, [&](const Place& place, Random& random) {
+std::vector<Scene> alongFaces(const Draw& draw, uint32_t onCuts) {
+    const City boxes = city(draw, 1, 3, 1.0, dvec3(0.3, -0.2, 0.1));
+    return {sceneOf(draw, "axis rays", boxes, 11 + onCuts, onCuts, [&](const Place& place, Random& random) {
         Ray ray{place.at, 0.0f, vec3(anyZero(random), anyZero(random), anyZero(random)), inf};
         ray.direction[place.axis] = -place.outwards;
         ray.origin[place.axis] += place.outwards * static_cast<float>(random.within(0.05, 5.0));
@@ -89,9 +92,9 @@ std::vector<HardScene> alongFaces(uint32_t onCuts) {
 }
 
 /// Cases 3 and 4: one component that is a zero; of either sign, or -0.
-std::vector<HardScene> withAZero(bool onlyNegative) {
-    const City boxes = city(2, 3, 1.0, dvec3(0.3, -0.2, 0.1));
-    return {sceneOf("one zero", boxes, onlyNegative ? 14 : 13, 1, [&](const Place& place, Random& random) {
+std::vector<Scene> withAZero(const Draw& draw, bool onlyNegative) {
+    const City boxes = city(draw, 2, 3, 1.0, dvec3(0.3, -0.2, 0.1));
+    return {sceneOf(draw, "one zero", boxes, onlyNegative ? 14 : 13, 1, [&](const Place& place, Random& random) {
         Ray ray{originBefore(place, boxes, random), 0.0f, vec3(0.0f), inf};
         const int zero = (place.axis + 1 + static_cast<int>(random.below(2))) % 3;
         ray.origin[zero] = place.at[zero];
@@ -102,9 +105,9 @@ std::vector<HardScene> withAZero(bool onlyNegative) {
 }
 
 /// Cases 5, 6 and 8: at corners of boxes, with d = corner - o, times `scale`.
-std::vector<HardScene> atCorners(double pitch, const dvec3& centre, double scale) {
-    const City boxes = city(3, 3, pitch, centre);
-    return {sceneOf("corners", boxes, 15, 2, [&](const Place& place, Random& random) {
+std::vector<Scene> atCorners(const Draw& draw, double pitch, const dvec3& centre, double scale) {
+    const City boxes = city(draw, 3, 3, pitch, centre);
+    return {sceneOf(draw, "corners", boxes, 15, 2, [&](const Place& place, Random& random) {
         Ray ray{originBefore(place, boxes, random), 0.0f, vec3(0.0f), inf};
         ray.direction = vec3(dvec3(place.at - ray.origin) * scale);
         return ray;
@@ -112,9 +115,9 @@ std::vector<HardScene> atCorners(double pitch, const dvec3& centre, double scale
 }
 
 /// Case 7: 1e6 away, at slopes of 1e-6.
-std::vector<HardScene> fromFarAway() {
-    const City boxes = city(4, 1, 60.0, dvec3(0), 2);
-    return {sceneOf("slope 1e-6", boxes, 17, 0, [&](const Place& place, Random& random) {
+std::vector<Scene> fromFarAway(const Draw& draw) {
+    const City boxes = city(draw, 4, 1, 60.0, dvec3(0), 2);
+    return {sceneOf(draw, "slope 1e-6", boxes, 17, 0, [&](const Place& place, Random& random) {
         dvec3 direction = 1e-6 * random.direction();
         direction[place.axis] = -place.outwards;
         return Ray{vec3(dvec3(place.at) - 1e6 * direction), 0.0f, vec3(direction), inf};
@@ -133,12 +136,12 @@ std::vector<Triangle> floorOf(int axis, float height) {
 }
 
 /// Case 9: a floor without thickness, seen at a slant; away from its rim, beyond which there is nothing.
-std::vector<HardScene> atFloors() {
-    std::vector<HardScene> scenes;
+std::vector<Scene> atFloors(const Draw& draw) {
+    std::vector<Scene> scenes;
     for (int axis = 0; axis < 3; ++axis) {
-        HardScene scene{fmt::format("floor across {}", "xyz"[axis]), floorOf(axis, 2.25f), {}, false, 0.0};
-        Random random(19);
-        while (scene.rays.size() < raysOf(300)) {
+        Scene scene{fmt::format("floor across {}", "xyz"[axis]), floorOf(axis, 2.25f), {}, false, 0.0};
+        Random random = draw.random(19);
+        while (scene.rays.size() < draw.rays(300)) {
             vec3 at = vec3(dvec3(random.inCube(2.5, 16.5)));
             if (random.below(2) == 0) at = glm::floor(at) + 0.5f;  // a corner of squares
             at[axis] = 2.25f;
@@ -153,9 +156,9 @@ std::vector<HardScene> atFloors() {
 }
 
 /// Case 10: a component that is denormal.
-std::vector<HardScene> withDenormals() {
-    const City boxes = city(5, 3, 1.0, dvec3(0.3, -0.2, 0.1));
-    return {sceneOf("1e-40", boxes, 20, 1, [&](const Place& place, Random& random) {
+std::vector<Scene> withDenormals(const Draw& draw) {
+    const City boxes = city(draw, 5, 3, 1.0, dvec3(0.3, -0.2, 0.1));
+    return {sceneOf(draw, "1e-40", boxes, 20, 1, [&](const Place& place, Random& random) {
         Ray ray{originBefore(place, boxes, random), 0.0f, vec3(0.0f), inf};
         const int small = (place.axis + 1 + static_cast<int>(random.below(2))) % 3;
         ray.origin[small] = place.at[small];
@@ -166,12 +169,12 @@ std::vector<HardScene> withDenormals() {
 }
 
 /// Case 11: axis rays at a floor, with origins beyond 1.
-std::vector<HardScene> axisRaysAtFloors() {
-    std::vector<HardScene> scenes;
+std::vector<Scene> axisRaysAtFloors(const Draw& draw) {
+    std::vector<Scene> scenes;
     for (int axis = 0; axis < 3; ++axis) {
-        HardScene scene{fmt::format("floor across {}", "xyz"[axis]), floorOf(axis, 0.75f), {}, false, 0.0};
-        Random random(21);
-        while (scene.rays.size() < raysOf(300)) {
+        Scene scene{fmt::format("floor across {}", "xyz"[axis]), floorOf(axis, 0.75f), {}, false, 0.0};
+        Random random = draw.random(21);
+        while (scene.rays.size() < draw.rays(300)) {
             Ray ray{vec3(dvec3(random.inCube(2.5, 16.5))), 0.0f, vec3(anyZero(random), anyZero(random), anyZero(random)),
                     inf};
             if (random.below(2) == 0) ray.origin = glm::floor(ray.origin) + 0.5f;
@@ -186,8 +189,8 @@ std::vector<HardScene> axisRaysAtFloors() {
 }
 
 /// Case 12: boxes in boxes, on sixteenths; along an axis, from a side, or until one.
-std::vector<HardScene> nested() {
-    HardScene scene{"nested boxes", {}, {}, true, 0.0};
+std::vector<Scene> nested(const Draw& draw) {
+    Scene scene{"nested boxes", {}, {}, true, 0.0};
     std::vector<CutBox> boxes;
     for (int i = 1; i <= 6; ++i) {
         CutBox box;
@@ -196,8 +199,8 @@ std::vector<HardScene> nested() {
         boxes.push_back(box);
         for (const Triangle& t : box.triangles()) scene.triangles.push_back(t);
     }
-    Random random(22);
-    while (scene.rays.size() < raysOf(1500)) {
+    Random random = draw.random(22);
+    while (scene.rays.size() < draw.rays(1500)) {
         const auto aSixteenth = [&] { return (static_cast<float>(random.below(49)) - 24.0f) / 16.0f; };
         const auto aSide = [&] { return static_cast<float>(1 + random.below(6)) / (random.below(2) == 0 ? 4.0f : -4.0f); };
         const auto axis = static_cast<int>(random.below(3));
@@ -218,16 +221,18 @@ std::vector<HardScene> nested() {
 
 }  // namespace
 
-std::vector<HardCase> boxCases() {
+std::vector<Case> boxCases() {
     return {
-        {1, "an axis ray in the plane of a box's face", [] { return alongFaces(1); }},
-        {2, "a ray along a box's edge", [] { return alongFaces(2); }},
-        {3, "one component +0 or -0", [] { return withAZero(false); }},
-        {4, "one component -0", [] { return withAZero(true); }},
-        {5, "aimed at a box's corner", [] { return atCorners(1.0, dvec3(0.3, -0.2, 0.1), 1.0); }},
-        {6, "aimed at a box's corner, 1e6 off the origin", [] { return atCorners(100.0, dvec3(1e6, -1e6, 1e6), 1.0); }},
+        {1, "an axis ray in the plane of a box's face", [](const Draw& draw) { return alongFaces(draw, 1); }},
+        {2, "a ray along a box's edge", [](const Draw& draw) { return alongFaces(draw, 2); }},
+        {3, "one component +0 or -0", [](const Draw& draw) { return withAZero(draw, false); }},
+        {4, "one component -0", [](const Draw& draw) { return withAZero(draw, true); }},
+        {5, "aimed at a box's corner", [](const Draw& draw) { return atCorners(draw, 1.0, dvec3(0.3, -0.2, 0.1), 1.0); }},
+        {6, "aimed at a box's corner, 1e6 off the origin",
+         [](const Draw& draw) { return atCorners(draw, 100.0, dvec3(1e6, -1e6, 1e6), 1.0); }},
         {7, "slope 1e-6, from 1e6 away", fromFarAway},
-        {8, "a direction of length 1e-13", [] { return atCorners(1.0, dvec3(0.3, -0.2, 0.1), 1e-13); }},
+        {8, "a direction of length 1e-13",
+         [](const Draw& draw) { return atCorners(draw, 1.0, dvec3(0.3, -0.2, 0.1), 1e-13); }},
         {9, "flat nodes", atFloors},
         {10, "a denormal component", withDenormals},
         {11, "axis rays at a floor, origins beyond 1", axisRaysAtFloors},
@@ -235,4 +240,4 @@ std::vector<HardCase> boxCases() {
     };
 }
 
-}  // namespace raig::test
+}  // namespace raig::hard

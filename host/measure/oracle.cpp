@@ -1,6 +1,4 @@
-#include "support/oracle.hpp"
-
-#include "support/soups.hpp"
+#include "measure/oracle.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +6,7 @@
 #include <cmath>
 #include <ostream>
 
-namespace raig::test {
+namespace raig::hard {
 
 namespace {
 
@@ -73,6 +71,16 @@ double distanceTo(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c
 }
 
 }  // namespace
+
+std::string describe(const Ray& r) {
+    return fmt::format("o ({:.9g}, {:.9g}, {:.9g}) d ({:.9g}, {:.9g}, {:.9g}) t [{:.9g}, {:.9g}]", r.origin.x, r.origin.y,
+                       r.origin.z, r.direction.x, r.direction.y, r.direction.z, r.tMin, r.tMax);
+}
+
+std::string describe(const Hit& h) {
+    if (h.primitive == NO_HIT) return "nothing";
+    return fmt::format("triangle {} t {:.9g} u {:.9g} v {:.9g}", h.primitive, h.t, h.u, h.v);
+}
 
 size_t Tally::of(Verdict verdict) const {
     const auto found = counts.find(verdict);
@@ -287,4 +295,4 @@ Tally Oracle::judge(std::span<const Ray> rays, std::span<const Hit> hits, bool s
     return tally;
 }
 
-}  // namespace raig::test
+}  // namespace raig::hard

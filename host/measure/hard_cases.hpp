@@ -1,0 +1,50 @@
+/// The catalogue of hard cases, where methods of tracing rays fail: triangles and rays by the recipe of each case.
+#pragma once
+
+#include "base/random.hpp"
+#include "rays/types.hpp"
+#include "structures/structure.hpp"
+
+#include <string>
+#include <vector>
+
+namespace raig::hard {
+
+/// What the scenes of a case are drawn by: the same values draw the same triangles and rays.
+struct Draw {
+    uint32_t seed = 0;
+    uint32_t times = 1;  ///< as many rays as in a short run
+
+    size_t rays(size_t ofShortRun) const { return ofShortRun * times; }
+    /// Numbers of their own for each `purpose`.
+    Random random(uint64_t purpose) const { return Random(purpose ^ (uint64_t{seed} << 32)); }
+};
+
+struct Scene {
+    std::string name;
+    std::vector<Triangle> triangles;
+    std::vector<Ray> rays;
+    /// No operation that decides a hit rounds: then no ray is open (measure/oracle.hpp), and all are judged.
+    bool exact = false;
+    /// Of the rays, how many may be open at most: 0 where meshes are closed as far as they are seen.
+    double mostOpen = 0.0;
+};
+
+/// A case by its number in the catalogue: a stable name.
+struct Case {
+    uint32_t number;
+    const char* what;
+    std::vector<Scene> (*make)(const Draw&);
+};
+
+std::vector<Case> boxCases();       ///< 1 to 12
+std::vector<Case> triangleCases();  ///< 13 to 31
+std::vector<Case> cellCases();      ///< 32 to 49
+
+/// All of them, by number.
+std::vector<Case> allCases();
+
+/// The case of that number. Throws usageError, which lists those there are.
+Case caseOf(uint32_t number);
+
+}  // namespace raig::hard
