@@ -1,30 +1,28 @@
-/// The structures of host/structures/registry.def in all their forms: what tests go through that hold for every structure.
+/// The variants of structures (measure/variants.hpp) that tests go through which hold for every structure.
 #pragma once
 
-#include "structures/structure.hpp"
+#include "measure/variants.hpp"
+#include "support/effort.hpp"
 
-#include <string>
+#include <ostream>
 #include <vector>
 
-namespace raig::test {
+namespace raig {
 
-/// A structure with options.
-struct Variant {
-    std::string structure;
-    BuildParams params;
+inline std::ostream& operator<<(std::ostream& out, const Variant& variant) {
+    return out << nameOf(variant);
+}
 
-    Structure build(std::span<const Triangle> triangles) const { return structureType(structure).build(triangles, params); }
-};
+namespace test {
 
-/// As a test's name may be: letters, digits, underscores.
-std::string nameOf(const Variant& variant);
-std::ostream& operator<<(std::ostream& out, const Variant& variant);
+using raig::Variant;
+using raig::walkVariants;
 
-/// Every structure without options, then every value of every option: bounds by arities, builders by precisions and walks,
-/// leaf sizes, depths, levels by densities.
-std::vector<Variant> allVariants();
+/// In a long run, really all.
+inline std::vector<Variant> allVariants() {
+    return raig::allVariants(isLong());
+}
 
-/// Of those, one for each layout that walks tell apart: the first.
-std::vector<Variant> walkVariants();
+}  // namespace test
 
-}  // namespace raig::test
+}  // namespace raig

@@ -1,16 +1,15 @@
-#include "support/variants.hpp"
+#include "measure/variants.hpp"
 
-#include "support/effort.hpp"
+#include <fmt/format.h>
 
 #include <algorithm>
-#include <ostream>
 #include <set>
 
-namespace raig::test {
+namespace raig {
 
 namespace {
 
-void addBvhs(std::vector<Variant>& variants) {
+void addBvhs(std::vector<Variant>& variants, bool thorough) {
     variants.push_back({"bvh", {.walk = "skip"}});
     variants.push_back({"bvh", {.walk = "octants", .precision = 16, .maxLeaf = 1}});
     variants.push_back({"bvh", {.walk = "octants", .precision = 32, .maxLeaf = 15}});
@@ -24,9 +23,9 @@ void addBvhs(std::vector<Variant>& variants) {
     for (const char* build : {"median", "sweep", "sbvh", "lbvh"})
         for (const uint32_t arity : {2, 4, 8})
             for (const uint32_t precision : {32, 16, 8}) {
-                // In a short run, one or three of these nine.
+                // Unless all are wanted, one or three of these nine.
                 const bool chosen = arity * precision == 64 && (arity == 8 || std::string_view(build) == "sbvh");
-                if (chosen || isLong())
+                if (chosen || thorough)
                     variants.push_back(
                         {"bvh", {.build = build, .walk = "trail", .arity = arity, .precision = precision, .maxLeaf = 1}});
             }
@@ -57,24 +56,20 @@ std::string nameOf(const Variant& variant) {
     std::replace(name.begin(), name.end(), '-', '_');
     if (!p.build.empty()) name += "_" + p.build;
     if (!p.bound.empty()) name += "_" + p.bound;
-    if (p.arity > 0) name += "_arity" + std::to_string(p.arity);
-    if (p.maxTreeDepth > 0) name += "_depth" + std::to_string(p.maxTreeDepth);
-    if (p.precision > 0) name += "_" + std::to_string(p.precision) + "bit";
+    if (p.arity > 0) name += fmt::format("_arity{}", p.arity);
+    if (p.maxTreeDepth > 0) name += fmt::format("_depth{}", p.maxTreeDepth);
+    if (p.precision > 0) name += fmt::format("_{}bit", p.precision);
     if (p.nestsGrids) name += "_nested";
-    if (p.levels > 0) name += "_levels" + std::to_string(p.levels);
+    if (p.levels > 0) name += fmt::format("_levels{}", p.levels);
     if (p.gridDensity > 0.0f) name += p.gridDensity < 1.0f ? "_sparse" : "_dense";
-    if (p.maxLeaf > 0) name += "_leaf" + std::to_string(p.maxLeaf);
+    if (p.maxLeaf > 0) name += fmt::format("_leaf{}", p.maxLeaf);
     return name;
 }
 
-std::ostream& operator<<(std::ostream& out, const Variant& variant) {
-    return out << nameOf(variant);
-}
-
-std::vector<Variant> allVariants() {
+std::vector<Variant> allVariants(bool thorough) {
     std::vector<Variant> variants;
     for (const StructureType& type : structureTypes()) variants.push_back({std::string(type.name), {}});
-    addBvhs(variants);
+    addBvhs(variants, thorough);
     addSpacePartitions(variants);
     return variants;
 }
@@ -83,10 +78,10 @@ std::vector<Variant> walkVariants() {
     const Triangle one{vec3(0), vec3(1, 0, 0), vec3(0, 1, 1)};
     std::set<std::pair<std::string, uint32_t>> seen;
     std::vector<Variant> result;
-    for (const Variant& variant : allVariants())
+    for (const Variant& variant : allVariants(/* thorough= */ false))
         if (seen.insert({variant.structure, variant.build(std::span(&one, 1)).header.walk}).second)
             result.push_back(variant);
     return result;
 }
 
-}  // namespace raig::test
+}  // namespace raig
