@@ -201,6 +201,26 @@ Hit Oracle::closest(const Ray& ray) const {
     return {static_cast<float>(m.t), static_cast<float>(m.u), static_cast<float>(m.v), found};
 }
 
+std::vector<uint32_t> Oracle::allClosest(const Ray& ray) const {
+    const Seen s = seen(ray);
+    std::vector<uint32_t> found;
+    if (!s.valid) return found;
+    Exact nearest = 0;
+    for (uint32_t i = 0; i < triangles_.size(); ++i) {
+        if (usable_[i] == 0 || !mayMeet(s, triangles_[i])) continue;
+        const Meeting m = meet(s, triangles_[i]);
+        if (!m.hits || m.t < Exact(s.ray.tMin) || m.t > Exact(s.ray.tMax)) continue;
+        const Exact beyond = found.empty() ? Exact(0) : certain(m.t - nearest, magnitude(nearest));
+        if (beyond > 0) continue;
+        if (found.empty() || beyond < 0) {
+            found.clear();
+            nearest = m.t;
+        }
+        found.push_back(i);
+    }
+    return found;
+}
+
 /// The corner as seen along the ray: (x, y) off it, and the distance in z. Double precision is enough to tell 32 u M by.
 dvec3 Oracle::sheared(const Seen& s, const vec3& corner) const {
     const dvec3 p = dvec3(corner) - dvec3(s.ray.origin), d(s.ray.direction);
@@ -270,6 +290,14 @@ Verdict Oracle::verdict(const Seen& s, const Hit& got, bool& sound) const {
     const double apart = std::abs(double(Exact(got.t) - exact.t)), rounding = ofHit * s.unit;
     if (got.primitive == want) return apart <= rounding * exact.slope ? Verdict::same : Verdict::wrong;
     return apart <= rounding * (exact.slope + meet(s, t).slope) ? Verdict::tie : Verdict::wrong;
+}
+
+Judgement Oracle::judge(const Ray& ray, const Hit& hit, bool strict) const {
+    const Seen s = seen(ray);
+    Judgement judgement;
+    judgement.verdict = verdict(s, hit, judgement.sound);
+    if (judgement.verdict != Verdict::same && judgement.verdict != Verdict::tie) judgement.open = !strict && isOpen(s);
+    return judgement;
 }
 
 Tally Oracle::judge(std::span<const Ray> rays, std::span<const Hit> hits, bool strict) const {

@@ -22,6 +22,15 @@ using Exact = long double;
 /// How a hit found in floats compares with the exact one (the catalogue of hard cases, section 6.1).
 enum class Verdict { same, tie, missed, phantom, wrong };
 
+/// What the oracle makes of one ray's hit.
+struct Judgement {
+    Verdict verdict = Verdict::same;
+    bool sound = true;  ///< the hit is no farther from its triangle than rounding explains
+    bool open = false;  ///< rounding may decide the answer; told of those only whose verdict is missed, phantom or wrong
+
+    bool isFault() const { return !sound || (!open && verdict != Verdict::same && verdict != Verdict::tie); }
+};
+
 /// "o (..) d (..) t [..]" and "triangle .. t .. u .. v ..", with all digits.
 std::string describe(const Ray& ray);
 std::string describe(const Hit& hit);
@@ -67,7 +76,14 @@ public:
     /// The exact hit: t, u and v rounded.
     Hit closest(const Ray& ray) const;
 
+    /// All triangles that are hit at the exact distance: more than one where the ray meets an edge or a corner that they
+    /// share. By index; none if nothing is hit.
+    std::vector<uint32_t> allClosest(const Ray& ray) const;
+
     bool isOpen(const Ray& ray) const;
+
+    /// Judges one hit; `strict` as above.
+    Judgement judge(const Ray& ray, const Hit& hit, bool strict) const;
 
     /// Judges hits[i] of rays[i].
     Tally judge(std::span<const Ray> rays, std::span<const Hit> hits, bool strict) const;
