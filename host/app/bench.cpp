@@ -3,6 +3,7 @@
 
 #include "app/commands.hpp"
 #include "app/counters_json.hpp"
+#include "app/machine.hpp"
 #include "app/progress.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
@@ -11,10 +12,8 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <tbb/global_control.h>
 
 #include <cstdio>
-#include <fstream>
 
 namespace raig {
 
@@ -26,15 +25,6 @@ Json toJson(const std::optional<Quartiles>& q) {
     if (!q) return nullptr;
     return {{"median", q->median}, {"q1", q->q1}, {"q3", q->q3}};
 }
-
-std::string processorName() {
-    std::ifstream info("/proc/cpuinfo");
-    for (std::string line; std::getline(info, line);)
-        if (line.starts_with("model name") && line.find(": ") != line.npos) return line.substr(line.find(": ") + 2);
-    return "unknown";
-}
-
-size_t threadCount() { return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism); }
 
 std::string ratioText(const std::optional<Quartiles>& q) {
     return q ? fmt::format("{:.3f} ({:.3f}-{:.3f})", q->median, q->q1, q->q3) : "-";

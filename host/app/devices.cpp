@@ -1,8 +1,7 @@
 // `raig devices`: the Vulkan devices and the CPU, what they can hold, and what their arithmetic was measured to do.
 #include "app/commands.hpp"
+#include "app/machine.hpp"
 #include "base/error.hpp"
-#include "device/arithmetic.hpp"
-#include "rays/kernels.hpp"
 
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
@@ -14,21 +13,6 @@ namespace raig {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-struct Measured {
-    std::optional<Arithmetic> arithmetic;
-    std::string why;  ///< there is none
-};
-
-/// One device that fails should not hide the others.
-Measured measure(const DeviceInfo& info) {
-    try {
-        Device device(info);
-        return {measureArithmetic(device, findKernel("selftest_storage").value()), ""};
-    } catch (const Error& error) {
-        return {std::nullopt, error.what()};
-    }
-}
 
 std::vector<std::string> listFeatures(const DeviceFeatures& features) {
     const std::pair<bool, const char*> all[] = {{features.float64, "float64"},
@@ -43,29 +27,6 @@ std::vector<std::string> listFeatures(const DeviceFeatures& features) {
     for (const auto& [found, name] : all)
         if (found) names.emplace_back(name);
     return names;
-}
-
-Json toJson(const Arithmetic& found) {
-    return {{"ieee", found.ieee()},
-            {"samples", found.samples},
-            {"add_exact", found.addExact},
-            {"sub_exact", found.subExact},
-            {"mul_exact", found.mulExact},
-            {"div_exact", found.divExact},
-            {"sqrt_exact", found.sqrtExact},
-            {"denormals", found.denormals},
-            {"contraction", found.contraction},
-            {"precise_contraction", found.preciseContraction},
-            {"fma", found.fma},
-            {"min_max_nan", found.minMaxNan},
-            {"division_by_zero", found.divisionByZero},
-            {"int_to_float_exact", found.intToFloatExact},
-            {"uint_to_float_exact", found.uintToFloatExact},
-            {"float_to_int_exact", found.floatToIntExact}};
-}
-
-Json toJson(const Measured& measured) {
-    return measured.arithmetic ? toJson(*measured.arithmetic) : Json{{"error", measured.why}};
 }
 
 Json toJson(const DeviceLimits& limits) {
@@ -106,7 +67,7 @@ Json toJson(const DeviceInfo& device) {
             {"large_arrays", device.prefersTexel ? "texel" : "storage"},
             {"limits", toJson(device.limits)},
             {"features", toJson(device.features)},
-            {"arithmetic", toJson(measure(device))}};
+            {"arithmetic", toJson(measureArithmetic(device))}};
 }
 
 Json cpuJson() {
@@ -116,27 +77,13 @@ Json cpuJson() {
             {"type", "cpu"},
             {"limits", Json::object()},
             {"features", Json::object()},
-            {"arithmetic", toJson(measureHostArithmetic())}};
+            {"arithmetic", toJson(MeasuredArithmetic{measureHostArithmetic(), ""})}};
 }
 
 std::string describeBytes(uint64_t bytes) {
     const double mebibytes = static_cast<double>(bytes) / (1 << 20);
     if (mebibytes < 1.0) return fmt::format("{} bytes", bytes);
     return mebibytes < 1024.0 ? fmt::format("{:.0f} MiB", mebibytes) : fmt::format("{:.4g} GiB", mebibytes / 1024.0);
-}
-
-std::string describe(const Arithmetic& found) {
-    std::vector<std::string> inexact;
-    for (const auto& [exact, name] :
-         {std::pair(found.addExact, "+"), std::pair(found.subExact, "-"), std::pair(found.mulExact, "*"),
-          std::pair(found.divExact, "/"), std::pair(found.sqrtExact, "sqrt"),
-          std::pair(found.intToFloatExact, "int to float"), std::pair(found.uintToFloatExact, "uint to float"),
-          std::pair(found.floatToIntExact, "float to int")})
-        if (!exact) inexact.emplace_back(name);
-    return fmt::format("{}; denormals {}; a * b + c fused: {}, where precise: {}; fma {}; min and max of a NaN: {}",
-                       inexact.empty() ? "as IEEE 754" : fmt::format("as IEEE 754 but for {}", fmt::join(inexact, ", ")),
-                       found.denormals, found.contraction == "none" ? "no" : found.contraction,
-                       found.preciseContraction == "none" ? "no" : found.preciseContraction, found.fma, found.minMaxNan);
 }
 
 void printLine(const char* what, const std::string& text) {
@@ -154,8 +101,7 @@ void print(const DeviceInfo& device) {
                                        limits.subgroupSize, describeBytes(limits.sharedMemoryBytes)));
     printLine("has", fmt::format("{}", fmt::join(listFeatures(device.features), ", ")));
     printLine("subgroups", fmt::format("{}", fmt::join(device.features.subgroupOperations, ", ")));
-    const Measured measured = measure(device);
-    printLine("arithmetic", measured.arithmetic ? describe(*measured.arithmetic) : "not measured: " + measured.why);
+    printLine("arithmetic", describe(measureArithmetic(device)));
 }
 
 }  // namespace
@@ -171,7 +117,7 @@ int devices(const Options& options) {
     }
     for (const DeviceInfo& device : listDevices()) print(device);
     std::fputs("cpu  the CPU path, without Vulkan\n", stdout);
-    printLine("arithmetic", describe(measureHostArithmetic()));
+    printLine("arithmetic", describe(MeasuredArithmetic{measureHostArithmetic(), ""}));
     return static_cast<int>(ExitCode::done);
 }
 

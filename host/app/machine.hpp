@@ -1,0 +1,34 @@
+/// What is told of the machine beside what was measured on it.
+#pragma once
+
+#include "device/arithmetic.hpp"
+#include "device/device.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <optional>
+#include <string>
+
+namespace raig {
+
+/// As the system calls it; "unknown" where it does not say.
+std::string processorName();
+
+/// How many threads the program's work is shared by.
+size_t threadCount();
+
+struct MeasuredArithmetic {
+    std::optional<Arithmetic> arithmetic;
+    std::string why;  ///< there is none
+};
+
+/// A device that fails should not hide what else there is: why it does is told.
+MeasuredArithmetic measureArithmetic(Device& device);
+MeasuredArithmetic measureArithmetic(const DeviceInfo& info);
+
+nlohmann::ordered_json toJson(const MeasuredArithmetic& measured);
+
+/// In words.
+std::string describe(const MeasuredArithmetic& measured);
+
+}  // namespace raig
