@@ -37,7 +37,7 @@ TEST(CommandLine, HelpNamesEveryCommandAndEveryCommandHasHelpWithExamples) {
     const ProgramResult help = raig({"--help"});
     EXPECT_EQ(help.exitCode, 0);
     EXPECT_EQ(help.errors, "");
-    for (const std::string command : {"render", "trace", "compare", "bench", "info", "devices"}) {
+    for (const std::string command : {"render", "trace", "compare", "bench", "stress", "info", "devices"}) {
         EXPECT_NE(help.output.find("\n  " + command + " "), std::string::npos) << command;
         const ProgramResult own = raig({command, "--help"});
         EXPECT_EQ(own.exitCode, 0) << command;
@@ -74,9 +74,9 @@ TEST(CommandLine, VersionIsOneLine) {
 }
 
 TEST(CommandLine, WrongCommandsAreUsageErrorsThatNameTheRightOnes) {
-    expectError({}, 2, "render, trace, compare, bench, info and devices");
+    expectError({}, 2, "render, trace, compare, bench, stress, info and devices");
     expectError({"paint"}, 2, "no command paint");
-    expectError({"paint", "x", "--y"}, 2, "render, trace, compare, bench, info and devices");
+    expectError({"paint", "x", "--y"}, 2, "render, trace, compare, bench, stress, info and devices");
     expectError({"--colour"}, 2, "--help");
     expectError({"ren\nder"}, 2, "no command");
 }

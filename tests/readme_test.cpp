@@ -62,7 +62,8 @@ TEST(Readme, EveryCommandOfItRuns) {
         EXPECT_EQ(result.exitCode, 0) << "raig" << line << '\n' << result.errors;
         EXPECT_EQ(result.errors.find("error:"), std::string::npos) << "raig" << line << '\n' << result.errors;
     }
-    for (const char* const file : {"out.png", "box.exr", "deep.png", "hits.npy", "difference.png", "again.png"})
+    for (const char* const file : {"out.png", "box.exr", "deep.png", "hits.npy", "difference.png", "again.png",
+                                 "report/index.html", "report/stress.json", "stress.xml"})
         EXPECT_TRUE(fs::is_regular_file(file)) << file;
 
     fs::current_path(before);

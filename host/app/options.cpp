@@ -95,7 +95,8 @@ void addInstances(CLI::App& app, Options& options) {
 }
 
 /// `more` stands for other than one structure: auto, or all.
-void addStructure(CLI::App& app, Options& options, const std::string& more = "auto, which picks one for the scene") {
+void addStructure(CLI::App& app, Options& options, const std::string& more = "auto, which picks one for the scene",
+                  const std::string& byDefault = "bvh") {
     const std::string moreName = more.substr(0, more.find(','));
     const auto parse = [&options, moreName](const std::string& text) {
         if (text != moreName && std::find(structureNames.begin(), structureNames.end(), text) == structureNames.end())
@@ -106,7 +107,7 @@ void addStructure(CLI::App& app, Options& options, const std::string& more = "au
     };
     app.add_option_function<std::string>(
            "--accel", parse,
-           fmt::format("acceleration structure: {}, {} (default: bvh)", fmt::join(structureNames, ", "), more))
+           fmt::format("acceleration structure: {}, {} (default: {})", fmt::join(structureNames, ", "), more, byDefault))
         ->type_name("NAME");
     BuildParams& params = options.buildParams;
     const bool isAuto = more.starts_with("auto");  // else each structure is taken as it is
@@ -271,6 +272,51 @@ void addBench(CLI::App& app, Options& options) {
         "made in turn with Embree's, where raig was built with it: medians and quartiles of the pairs are told.");
 }
 
+void addStress(CLI::App& app, Options& options) {
+    CLI::App& command = *app.add_subcommand("stress", "Run the hard cases, where methods fail, with every structure");
+    command.callback([&options] { options.command = Command::stress; });
+    const auto appendCase = [&options](const std::vector<std::string>& texts) {
+        for (const std::string& text : texts) {
+            const std::optional<uint32_t> number = wholeNumber(text, 0, largest);
+            if (!number) throw usageError("--case {}: the number of a case is wanted", text);
+            options.cases.push_back(*number);
+        }
+    };
+    command.add_option_function<std::vector<std::string>>("--case", appendCase, "a case, by its number (default: all)")
+        ->type_name("N")->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    const auto parseRays = [&options](const std::string& text) {
+        const std::optional<uint32_t> count = wholeNumber(text, 1, 100'000'000);
+        if (!count) throw usageError("--rays {}: a whole number from 1 to 100000000 is wanted", text);
+        options.rayCount = *count;
+    };
+    command.add_option_function<std::string>("--rays", parseRays, "rays a case (default: some hundred to some thousand)")
+        ->type_name("N");
+    const auto parseRay = [&options](const std::string& text) {
+        const std::optional<uint32_t> number = wholeNumber(text, 0, largest);
+        if (!number) throw usageError("--ray {}: the number of a ray is wanted", text);
+        options.ray = *number;
+    };
+    command.add_option_function<std::string>("--ray", parseRay, "only this ray of the case, and what each says of it")
+        ->type_name("K");
+    command.add_flag("--long", options.isLong, "30 times the rays, and every option of every structure");
+    command.add_flag("--controls", options.onlyControls, "only the controls: textbook methods that must fail");
+    command.add_flag("-v,--verbose", options.verbose, "a line for each structure");
+    command.add_option("-o,--output", options.folder, "write a page, index.html, and its data, stress.json, to this folder")
+        ->type_name("DIR");
+    command.add_option("--junit", options.junit, "write the results as JUnit's XML to this file")->type_name("FILE");
+    addStructure(command, options, "all, each walked in all its ways", "all");
+    addCommon(command, options);
+    command.footer(
+        "Examples:\n"
+        "  raig stress\n"
+        "  raig stress --case 13 --case 14 --accel bvh --rays 100000\n"
+        "  raig stress --device all -o report --junit stress.xml\n"
+        "  raig stress --case 13 --seed 7 --ray 42 -v\n"
+        "--device all: all devices and the CPU, one after the other.\n"
+        "Exits with 1 if an answer is missed, invented or wrong by exact arithmetic, differs from brute force's bits, or\n"
+        "never comes; or if a control does not fail as it should.");
+}
+
 void addInfo(CLI::App& app, Options& options) {
     CLI::App& command = *app.add_subcommand("info", "Tell what a scene holds and what each structure would cost in it");
     command.callback([&options] { options.command = Command::info; });
@@ -295,7 +341,7 @@ Error explained(const CLI::App& app, const CLI::ParseError& error, int argc, con
     if (!chosen.empty()) return usageError("{}; see raig {} --help", error.what(), chosen.front()->get_name());
     const char* const* word =
         std::find_if(argv + 1, argv + argc, [](std::string_view text) { return !text.starts_with('-'); });
-    const char* const commands = "render, trace, compare, bench, info and devices; see raig --help";
+    const char* const commands = "render, trace, compare, bench, stress, info and devices; see raig --help";
     if (word == argv + argc && argc > 1) return usageError("{}: the commands are {}", error.what(), commands);
     if (word == argv + argc) return usageError("a command is wanted; there are {}", commands);
     return usageError("there is no command {}; there are {}", *word, commands);
@@ -329,7 +375,7 @@ void checkFilesDiffer(const Options& options) {
     };
     std::vector<std::filesystem::path> read = options.inputs;
     read.insert(read.end(), {options.rays, options.loadStructure});
-    const std::vector<std::filesystem::path> written = {options.output, options.hits, options.saveStructure};
+    const std::vector<std::filesystem::path> written = {options.output, options.hits, options.saveStructure, options.junit};
     for (size_t i = 0; i < written.size(); ++i) {
         for (const std::filesystem::path& input : read)
             if (isSame(written[i], input))
@@ -351,12 +397,13 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
                "  raig render scene.glb -o out.png\n"
                "  raig compare scene.glb\n"
                "Options of a command: raig COMMAND --help\n"
-               "Exit codes: 0 done, 1 a comparison fell short, 2 wrong usage, 3 bad input, 4 no usable device,\n"
+               "Exit codes: 0 done, 1 a comparison or check fell short, 2 wrong usage, 3 bad input, 4 no usable device,\n"
                "            5 a limit was reached, 70 a bug in raig");
     addRender(app, options);
     addTrace(app, options);
     addCompare(app, options);
     addBench(app, options);
+    addStress(app, options);
     addInfo(app, options);
     addDevices(app, options);
     try {
@@ -375,6 +422,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     checkFolderOf(options.output);
     checkFolderOf(options.hits);
     checkFolderOf(options.saveStructure);
+    checkFolderOf(options.junit);
     return options;
 }
 

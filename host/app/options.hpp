@@ -12,7 +12,7 @@
 
 namespace raig {
 
-enum class Command { render, trace, compare, bench, info, devices };
+enum class Command { render, trace, compare, bench, stress, info, devices };
 
 /// All options of all commands; each command reads its own and finds the defaults in the rest. Choices that only a part of
 /// the program knows (structures, walks, builders, devices, cameras) stay names, checked by that part with a usageError.
@@ -20,7 +20,7 @@ struct Options {
     Command command = Command::devices;
 
     // Common.
-    std::string device = "auto";  ///< auto, cpu, an index of `raig devices`, or a part of a name
+    std::string device = "auto";  ///< auto, cpu, an index of `raig devices`, a part of a name; stress: or all
     uint32_t threads = 0;         ///< 0: all cores
     uint32_t seed = 0;
     bool json = false;            ///< one JSON document on standard output
@@ -49,6 +49,16 @@ struct Options {
     // bench.
     uint32_t side = 1024;       ///< of the square picture whose rays are traced; a multiple of 8
     uint32_t repetitions = 7;   ///< of each measurement
+
+    // stress.
+    std::vector<uint32_t> cases;   ///< by number; none: all
+    uint64_t rayCount = 0;         ///< a case; 0: as many as the case has of itself
+    std::optional<uint64_t> ray;   ///< only this one
+    bool isLong = false;           ///< many more rays and structures
+    bool onlyControls = false;
+    bool verbose = false;
+    std::filesystem::path folder;  ///< for the page and its data; empty: none are written
+    std::filesystem::path junit;   ///< XML file to write; empty: none
 
     // trace.
     std::filesystem::path rays;

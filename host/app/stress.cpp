@@ -1,0 +1,287 @@
+// `raig stress`: the hard cases, for every structure, by exact arithmetic; and controls that must fail.
+#include "app/commands.hpp"
+#include "app/machine.hpp"
+#include "app/progress.hpp"
+#include "app/stress_json.hpp"
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "base/log.hpp"
+#include "measure/oracle.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+namespace raig {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr uint32_t longTimes = 30;
+
+/// The devices to run on; nothing means the CPU path.
+std::vector<std::optional<DeviceInfo>> chooseDevices(const Options& options) {
+    if (options.device != "all") return {chooseDevice(options.device)};
+    std::vector<std::optional<DeviceInfo>> devices;
+    for (const DeviceInfo& info : listDevices()) devices.emplace_back(info);
+    devices.emplace_back();
+    return devices;
+}
+
+/// Without options of structures: all ways to walk, or all there are; with them: this one.
+std::vector<Variant> chooseVariants(const Options& options) {
+    const std::string given = describeOptions(options.buildParams);
+    if (!given.empty() && (!options.accelGiven || options.accel == "all"))
+        throw usageError("{}: options are a structure's; name it by --accel", given);
+    if (!given.empty()) {
+        const Variant one{options.accel, options.buildParams};
+        one.build({});  // refuses what the structure does not offer
+        return {one};
+    }
+    std::vector<Variant> variants = options.isLong ? allVariants(/* thorough= */ true) : walkVariants();
+    std::erase_if(variants, [&](const Variant& variant) {
+        return variant.structure == "brute" ||
+               (options.accelGiven && options.accel != "all" && variant.structure != options.accel);
+    });
+    return variants;
+}
+
+std::vector<hard::Case> chooseCases(const Options& options) {
+    if (options.cases.empty()) return hard::allCases();
+    std::vector<uint32_t> numbers = options.cases;
+    std::sort(numbers.begin(), numbers.end());
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    std::vector<hard::Case> cases;
+    for (const uint32_t number : numbers) cases.push_back(hard::caseOf(number));
+    return cases;
+}
+
+std::string quoted(const std::string& text) {
+    const bool isPlain = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+        return std::isalnum(c) || std::string_view("-_./:=,").find(static_cast<char>(c)) != std::string_view::npos;
+    });
+    return isPlain ? text : "'" + text + "'";
+}
+
+/// The command line again: without what chooses cases and where results go, if it is for other rays of the same batch.
+std::string commandOf(const Options& options, bool forReplay) {
+    std::string text = fmt::format("raig stress --seed {}", options.seed);
+    if (!forReplay)
+        for (const uint32_t number : options.cases) text += fmt::format(" --case {}", number);
+    if (options.isLong) text += " --long";
+    if (options.rayCount > 0) text += fmt::format(" --rays {}", options.rayCount);
+    if (options.accelGiven) text += " --accel " + options.accel;
+    const std::string given = describeOptions(options.buildParams);
+    if (!given.empty()) text += " " + given;
+    if (options.device != "auto" && (!forReplay || options.device != "all")) text += " --device " + quoted(options.device);
+    if (!forReplay && options.onlyControls) text += " --controls";
+    if (!forReplay && options.ray) text += fmt::format(" --ray {}", *options.ray);
+    return text;
+}
+
+/// Runs the cases on one device.
+void runOn(const std::optional<DeviceInfo>& info, const Options& options, StressDocument& document,
+           std::vector<Json>& arithmetic, std::optional<StressReplay>& replay) {
+    const std::unique_ptr<Device> device = info ? std::make_unique<Device>(*info) : nullptr;
+    const MeasuredArithmetic measured =
+        device ? measureArithmetic(*device) : MeasuredArithmetic{measureHostArithmetic(), ""};
+    document.devices.push_back({info ? info->name : "cpu", info ? info->driver : "", describe(measured)});
+    arithmetic.push_back(toJson(measured));
+    if (options.onlyControls) return;
+    const Variant brute{"brute", {}};
+    StressSettings settings{.cases = document.cases,
+                            .draw = {.seed = options.seed, .times = options.isLong ? longTimes : 1},
+                            .rays = options.rayCount,
+                            .ray = options.ray,
+                            .device = document.devices.back().name,
+                            .brute = subjectOf(brute, device.get()),
+                            .bruteOnCpu = {},
+                            .subjects = {}};
+    for (const Variant& variant : chooseVariants(options)) settings.subjects.push_back(subjectOf(variant, device.get()));
+    // Where the device computes as the CPU does, down to denormals, it must find what that finds.
+    if (device && measured.arithmetic && measured.arithmetic->ieee() && measured.arithmetic->denormals == "kept")
+        settings.bruteOnCpu = subjectOf(brute, nullptr);
+    Progress progress("stress");
+    const std::string prefix = options.device == "all" ? document.devices.back().name.substr(0, 12) + ", " : "";
+    StressReport report =
+        raig::stress(settings, [&](const std::string& step, double done) { progress.update(prefix + step, done); });
+    document.results.insert(document.results.end(), report.results.begin(), report.results.end());
+    if (replay && report.replay)
+        replay->answers.insert(replay->answers.end(), report.replay->answers.begin(), report.replay->answers.end());
+    else
+        replay = std::move(report.replay);
+}
+
+void runControls(const Options& options, StressDocument& document) {
+    if (options.ray) return;
+    std::vector<Control> controls = allControls();
+    std::erase_if(controls, [&](const Control& control) {
+        return std::none_of(document.cases.begin(), document.cases.end(),
+                            [&](const hard::Case& one) { return one.number == control.number; });
+    });
+    Progress progress("controls");
+    for (size_t i = 0; i < controls.size(); ++i) {
+        progress.update("controls", double(i) / double(controls.size()));
+        document.controls.push_back(runControl(controls[i], options.seed));
+    }
+}
+
+constexpr const char* rowFormat = "{:>4}  {:48} {:>9} {:>7} {:>7} {:>7} {:>7} {:>5} {:>5} {:>6} {:>10}  {}\n";
+
+void printRow(uint32_t number, const std::string& what, const StressResult& r, const std::string& note) {
+    fmt::print(rowFormat, number, what.substr(0, 48), r.rays, r.count(StressFault::missed), r.count(StressFault::phantom),
+               r.count(StressFault::wrong), r.count(StressFault::differs), r.count(StressFault::any),
+               r.count(StressFault::hung), r.count(StressFault::error),
+               fmt::format("{:.6g}", r.rays == 0 ? 0.0 : 1e6 * double(r.forbidden()) / double(r.rays)), note);
+}
+
+/// One line a case and device, the worst of its structures; or, `verbose`, one line for each. What failed comes first.
+void printResults(const StressDocument& document, bool verbose) {
+    struct Line {
+        const hard::Case* hardCase;
+        const StressResult* worst;
+        size_t structures = 0, failing = 0;
+    };
+    std::vector<Line> lines;
+    for (const hard::Case& hardCase : document.cases)
+        for (const StressDevice& device : document.devices) {
+            Line line{&hardCase, nullptr};
+            for (const StressResult& r : document.results) {
+                if (r.number != hardCase.number || r.device != device.name) continue;
+                if (verbose) lines.push_back({&hardCase, &r});
+                ++line.structures;
+                line.failing += r.forbidden() > 0;
+                if (line.worst == nullptr || r.forbidden() > line.worst->forbidden()) line.worst = &r;
+            }
+            if (!verbose && line.worst != nullptr) lines.push_back(line);
+        }
+    std::stable_sort(lines.begin(), lines.end(),
+                     [](const Line& a, const Line& b) { return a.worst->forbidden() > b.worst->forbidden(); });
+    fmt::print(rowFormat, "case", verbose ? "structure" : "what", "rays", "missed", "phantom", "wrong", "differs", "any",
+               "hung", "error", "per 10^6", verbose ? "device" : "");
+    for (const Line& line : lines) {
+        const StressResult& r = *line.worst;
+        if (verbose)
+            printRow(r.number, r.name(), r, r.device);
+        else if (line.failing == 0)
+            printRow(r.number, line.hardCase->what, r, fmt::format("all {} alike", line.structures));
+        else
+            printRow(r.number, line.hardCase->what, r, fmt::format("{}, of {} that fail", r.name(), line.failing));
+    }
+}
+
+void printControls(const StressDocument& document) {
+    if (document.controls.empty()) return;
+    fmt::print("\n{:>4}  {:48} {:>9} {:>9} {:>10}\n", "case", "control: must fail", "rays", "fails, %", "should, %");
+    for (const bool fails : {false, true})
+        for (const ControlResult& r : document.controls)
+            if (r.fails == fails)
+                fmt::print("{:>4}  {:48} {:>9} {:>9.2f} {:>10}  {}\n", r.control.number, r.control.method.substr(0, 48),
+                           r.findings.rays, r.findings.percent(), expectedRate(r.control),
+                           r.fails ? "" : "the instrument is broken");
+}
+
+void printReplay(const StressDocument& document, const StressReplay& replay, uint64_t number) {
+    const hard::Case& hardCase = document.cases[0];
+    fmt::print("case {}, {}; seed {}, ray {}: in scene \"{}\" of {} triangles\n", hardCase.number, hardCase.what,
+               document.seed, number, replay.scene, replay.triangles);
+    fmt::print("{:48} {}\n", "the ray", hard::describe(replay.ray));
+    fmt::print("{:48} {}{}\n", "exactly", hard::describe(replay.exact),
+               replay.open ? ", but rounding may decide: any sound answer is let pass" : "");
+    for (const StressReplay::Answer& answer : replay.answers) {
+        std::string faults;
+        for (const StressFault fault : answer.faults)
+            faults += fmt::format("{}{}", faults.empty() ? "" : ", ", stressFaultNames[static_cast<size_t>(fault)]);
+        const std::string any = (answer.any.primitive == NO_HIT) == (answer.closest.primitive == NO_HIT)
+                                    ? ""
+                                    : fmt::format("; any: {}", hard::describe(answer.any));
+        std::string name = answer.structure + (answer.options.empty() ? "" : " " + answer.options);
+        if (document.devices.size() > 1) name += fmt::format(" ({})", answer.device);
+        fmt::print("{:48} {}{}  {}{}\n", name, hard::describe(answer.closest), any, faults.empty() ? "right" : faults,
+                   answer.thrown.empty() ? "" : ": " + answer.thrown);
+    }
+}
+
+void write(const std::filesystem::path& file, const std::string& text) {
+    writeFileAtomically(file, std::as_bytes(std::span(text)));
+}
+
+/// The text of a document: names come from drivers, and what is not UTF-8 in them must not spoil it.
+std::string textOf(const Json& json) {
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+/// One line for each thing that fell short, the worst first; no more than some.
+void warnOfFailures(const StressDocument& document) {
+    constexpr size_t shown = 10;
+    std::vector<const StressResult*> failed;
+    for (const StressResult& r : document.results)
+        if (r.forbidden() > 0) failed.push_back(&r);
+    std::stable_sort(failed.begin(), failed.end(),
+                     [](const auto* a, const auto* b) { return a->forbidden() > b->forbidden(); });
+    for (size_t i = 0; i < std::min(shown, failed.size()); ++i)
+        log::warn("fell short: case {}, {} on {}: {}", failed[i]->number, failed[i]->name(), failed[i]->device,
+                  describeFailure(document, *failed[i]));
+    if (failed.size() > shown) log::warn("fell short: and {} more; see --verbose or --json", failed.size() - shown);
+    for (const ControlResult& r : document.controls)
+        if (!r.fails)
+            log::warn("fell short: control of case {}, {}: {}", r.control.number, r.control.method, describeFailure(r));
+}
+
+void makeFolder(const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error || !std::filesystem::is_directory(folder, error))
+        throw inputError(folder, "cannot be made a folder; name another one for the results");
+}
+
+}  // namespace
+
+int stress(const Options& options) {
+    const auto start = std::chrono::steady_clock::now();
+    StressDocument document;
+    document.version = RAIG_VERSION;
+    document.processor = processorName();
+    document.threads = threadCount();
+    document.command = commandOf(options, /* forReplay= */ false);
+    document.replay = commandOf(options, /* forReplay= */ true);
+    document.seed = options.seed;
+    document.cases = chooseCases(options);
+    chooseVariants(options);  // what is wrong with them should be told first
+    if (options.ray && document.cases.size() != 1) throw usageError("--ray is a ray of one case; name that by --case");
+    if (!options.folder.empty()) makeFolder(options.folder);
+
+    std::vector<Json> arithmetic;
+    std::optional<StressReplay> replay;
+    for (const std::optional<DeviceInfo>& info : chooseDevices(options)) runOn(info, options, document, arithmetic, replay);
+    runControls(options, document);
+    document.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+    const std::string json = textOf(toJson(document, arithmetic, replay));
+    if (!options.folder.empty()) {
+        write(options.folder / "stress.json", json);
+        write(options.folder / "index.html", stressPage(document));
+        log::note("wrote {} and stress.json beside it", (options.folder / "index.html").string());
+    }
+    if (!options.junit.empty()) write(options.junit, toJUnit(document));
+    const uint64_t forbidden = document.forbidden();
+    if (options.json) {
+        std::fputs(json.c_str(), stdout);
+    } else {
+        if (replay)
+            printReplay(document, *replay, *options.ray);
+        else if (!document.results.empty())
+            printResults(document, options.verbose);
+        printControls(document);
+        if (!document.results.empty()) fmt::print("\n{} of {} answers are wrong", forbidden, document.rays());
+        if (!document.controls.empty())
+            fmt::print("{}{} of {} controls fail as they should", document.results.empty() ? "\n" : "; ",
+                       document.controls.size() - document.brokenControls(), document.controls.size());
+        fmt::print("; {:.1f} s\n", document.seconds);
+    }
+    warnOfFailures(document);
+    return static_cast<int>(document.fellShort() ? ExitCode::fellShort : ExitCode::done);
+}
+
+}  // namespace raig
