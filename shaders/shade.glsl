@@ -41,8 +41,8 @@ void storeShadowRay(uint index, ShadowRay shadow, vec3 direct, INOUT(PathState) 
 void shade(uint i) {
     uint slot = slotList[now.listAt + i];
     bool working = slot != NO_SLOT;
-    slot = working ? slot : 0u;
-    PathState state = states[slot];
+    PathState state = beginPixel(0u);  // of no slot: any other's is being written
+    if (working) state = states[slot];
     Ray ray = rays[i];
     Hit hit = hits[i];
     vec3 direct = vec3(0.0f);
