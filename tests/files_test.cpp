@@ -2,9 +2,11 @@
 #include "base/files.hpp"
 #include "base/error.hpp"
 #include "base/part_file.hpp"
+#include "support/program.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -125,6 +127,27 @@ TEST_F(Files, WritesThatFailLeaveTheOldFileAndNothingElse) {
     std::signal(SIGXFSZ, oldHandler);
     EXPECT_EQ(fs::file_size(path), 10u);
     EXPECT_TRUE(parts().empty());
+}
+
+TEST_F(Files, OfAProgramThatMayNotWriteSoMuchAreNotHalf) {
+    rlimit before{};
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+    const rlimit small{1 << 12, before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    const ProgramResult result = runProgram(
+        RAIG_PROGRAM, {"render", RAIG_SOURCE_DIR "/assets/cornell_box.gltf", "-o", folder_ / "out.pfm", "--size", "64x64",
+                       "--device", "cpu", "--quiet"});
+    ::setrlimit(RLIMIT_FSIZE, &before);
+    EXPECT_EQ(result.exitCode, 3);
+    EXPECT_NE(result.errors.find("out.pfm: cannot be written"), std::string::npos) << result.errors;
+    EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+// Opening one for reading would wait until someone writes.
+TEST_F(Files, AreNoPipes) {
+    const fs::path pipe = folder_ / "pipe.gltf";
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    EXPECT_THROW(readFile(pipe, 1000), Error);
 }
 
 TEST_F(Files, CannotBeWrittenOverAFolder) {

@@ -75,6 +75,7 @@ int run(int argc, const char* const* argv) {
 int main(int argc, char** argv) {
     // A closed pipe must not end a long run before its files are written: writes to it fail instead, and are looked at.
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);  // nor must a limit on the size of files leave half of one
     raig::removePartFilesOnSignals();
     try {
         return raig::run(argc, argv);
