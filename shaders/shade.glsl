@@ -41,7 +41,7 @@ void storeShadowRay(uint index, ShadowRay shadow, vec3 direct, INOUT(PathState) 
 void shade(uint i) {
     uint slot = slotList[now.listAt + i];
     bool working = slot != NO_SLOT;
-    PathState state = beginPixel(0u);  // of no slot: any other's is being written
+    PathState state = beginPixel(0u);  // where there is no slot: any slot's is being written by its own entry
     if (working) state = states[slot];
     Ray ray = rays[i];
     Hit hit = hits[i];

@@ -77,7 +77,7 @@ TEST_F(DamagedTwoLevels, AreFoundByTheirTopTree) {
     expectFound("no instance", "top tree", [&](Structure& s) { top(s, leafNode())->w = shared::TOP_LEAF | s.instances; });
     expectFound("a box", "top tree: node 0 ", [&](Structure& s) { top(s, 0)[1].y -= 1; });
     expectFound("no number", "top tree: node 3 ", [&](Structure& s) { top(s, 3)->x = 0x7fc00000; });
-    expectFound("the last copy", "top tree", [&](Structure& s) { s.nodes[places_.topTree - 1].z ^= 1; });
+    expectFound("the last copy", "top tree", [&](Structure& s) { s.nodes[places_.topTreeEnd - 1].z ^= 1; });
     expectFound("padding", "between", [&](Structure& s) { s.nodes[places_.instances - 1].w = 1; });
 }
 
@@ -163,7 +163,7 @@ TEST_F(DamagedTwoLevels, AreFoundByTheArraysOfBottoms) {
         expectFound("a kind", named.c_str(), [&](Structure& s) { reference(s, i)[1].w = shared::TRIANGLE_SPHERE; });
     }
     for (auto array : {&Structure::nodes, &Structure::triangles}) {
-        expectFound("one more", "", [&](Structure& s) { (s.*array).push_back(uvec4(0)); });
+        EXPECT_NE(foundIn([&](Structure& s) { (s.*array).push_back(uvec4(0)); }), "nothing");
         for (size_t size = 0; size < (built_.*array).size(); size += 1 + size / 16)
             EXPECT_NE(foundIn([&](Structure& s) { (s.*array).resize(size); }), "nothing") << size;
         EXPECT_NE(foundIn([&](Structure& s) { (s.*array).resize((s.*array).size() + 3); }), "nothing");

@@ -72,8 +72,8 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
 
     if (setup->structure.isInstanced())
         log::note("instances: {} triangles are {} in memory, in {} places; {:.1f} MiB in all",
-                  setup->geometry.primitiveCount(), setup->structure.statistics.references, setup->structure.instances,
-                  double(built.bytes) / (1 << 20));
+                  setup->geometry.primitiveCount(), setup->structure.triangles.size() / shared::TRIANGLE_STRIDE,
+                  setup->structure.instances, double(built.bytes) / (1 << 20));
 
     start = Clock::now();
     if (info) {

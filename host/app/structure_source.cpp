@@ -14,10 +14,8 @@ namespace raig {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
+double secondsSince(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 void checkIsAskedFor(const StructureFile& file, const Options& options) {
@@ -98,8 +96,7 @@ Structure StructureSource::buildWithin(const Build& build) const {
 }
 
 template <class Over, class Build>
-Structure StructureSource::readOrBuild(const Over& over, const Build& build) {
-    const Clock::time_point start = Clock::now();
+Structure StructureSource::readOrBuild(Clock::time_point start, const Over& over, const Build& build) {
     Structure structure = file_ ? file_->read(over) : build();
     (file_ ? loadSeconds_ : buildSeconds_) = secondsSince(start);
     if (!options_.saveStructure.empty()) saveStructure(options_.saveStructure, structure, options_.buildParams, over);
@@ -110,8 +107,9 @@ Structure StructureSource::makeTwoLevels(const Geometry& geometry) {
     const bool picks = options_.accel == "auto" && !file_;
     if (picks) log::note("auto: bvh: the scene is kept as instances; others would have to be tried with all written out");
     const KeepRule rule = file_ ? KeepRule{file_->leastTriangles()} : options_.instances == "keep" ? KeepRule{} : worthwhile;
+    const Clock::time_point start = Clock::now();
     const PlacedScene scene = placedScene(geometry, rule);
-    return readOrBuild(scene, [&] {
+    return readOrBuild(start, scene, [&] {
         const StructureType& type = structureType(picks ? "bvh" : options_.accel);
         return buildWithin([&](const BuildParams& params) { return buildTwoLevels(scene, type, params); });
     });
@@ -120,7 +118,7 @@ Structure StructureSource::makeTwoLevels(const Geometry& geometry) {
 Structure StructureSource::makeOneLevel(const Scene& scene, const Geometry& geometry) {
     const std::vector<Primitive> triangles = primitivesOf(geometry);
     const std::span<const Primitive> over = triangles;
-    return readOrBuild(over, [&] {
+    return readOrBuild(Clock::now(), over, [&] {
         if (options_.accel == "auto") return choose(scene, geometry, over);
         const StructureType& type = structureType(options_.accel);
         return buildWithin([&](const BuildParams& params) { return type.build(over, params); });

@@ -6,6 +6,7 @@
 #include "scene/geometry.hpp"
 #include "structures/structure_file.hpp"
 
+#include <chrono>
 #include <memory>
 
 namespace raig {
@@ -39,9 +40,10 @@ public:
 private:
     Structure makeOneLevel(const Scene& scene, const Geometry& geometry);
     Structure makeTwoLevels(const Geometry& geometry);
-    /// `over` is what the structure is of: a PlacedScene, or primitives.
+    using Clock = std::chrono::steady_clock;
+    /// `over` is what the structure is of: a PlacedScene, or primitives. Counts the time since `start`.
     template <class Over, class Build>
-    Structure readOrBuild(const Over& over, const Build& build);
+    Structure readOrBuild(Clock::time_point start, const Over& over, const Build& build);
     template <class Build>
     Structure buildWithin(const Build& build) const;
     Structure choose(const Scene& scene, const Geometry& geometry, std::span<const Primitive> triangles);

@@ -6,6 +6,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace raig {
@@ -90,10 +91,10 @@ void save(const std::filesystem::path& path, const Structure& structure, const B
 }  // namespace
 
 void saveStructure(const std::filesystem::path& path, const Structure& structure, const BuildParams& params,
-                   std::span<const Primitive> triangles) {
+                   std::span<const Primitive> primitives) {
     StructureFileHeader header{};
-    header.sceneHash = hashOf(triangles);
-    header.scenePrimitives = triangles.size();
+    header.sceneHash = hashOf(primitives);
+    header.scenePrimitives = primitives.size();
     save(path, structure, params, header);
 }
 
@@ -130,6 +131,9 @@ void StructureFile::checkHeader() const {
     checkSizes();
     if (header_.leastTriangles == 0 && (header_.bottoms != 0 || header_.instances != 0))
         throw broken("is damaged: it has instances, and is of a scene written out");
+    const auto isAmount = [](double number) { return std::isfinite(number) && number >= 0.0; };
+    if (header_.depth > 0xffffffffu || !isAmount(header_.sahCost) || !isAmount(header_.seconds))
+        throw broken("is damaged: its statistics are none");
     const auto types = structureTypes();
     if (std::none_of(types.begin(), types.end(), [&](const StructureType& type) { return type.name == structureName(); }))
         throw broken(fmt::format("holds a structure that this raig does not have, {}", structureName()));
@@ -157,7 +161,7 @@ std::string StructureFile::options() const {
 
 void StructureFile::checkScene(uint32_t leastTriangles, uint64_t primitives, const SceneHash& hash) const {
     if (header_.leastTriangles != leastTriangles || header_.scenePrimitives != primitives || header_.sceneHash != hash)
-        throw broken(fmt::format("is of another scene, or of another version of it ({} triangles; this one has {})",
+        throw broken(fmt::format("is of another scene, or of another version of it ({} triangles and spheres; this one has {})",
                                  header_.scenePrimitives, primitives));
 }
 
@@ -197,10 +201,10 @@ Structure StructureFile::checked(Structure structure, const std::optional<std::s
     return structure;
 }
 
-Structure StructureFile::read(std::span<const Primitive> triangles) {
-    checkScene(0, triangles.size(), hashOf(triangles));
+Structure StructureFile::read(std::span<const Primitive> primitives) {
+    checkScene(0, primitives.size(), hashOf(primitives));
     Structure structure = readUnchecked();
-    const auto fault = findOneLevelFault(structure, triangles, structureType(structure.name));
+    const auto fault = findOneLevelFault(structure, primitives, structureType(structure.name));
     return checked(std::move(structure), fault);
 }
 

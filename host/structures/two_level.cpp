@@ -1,7 +1,6 @@
 #include "structures/two_level.hpp"
 
 #include "base/error.hpp"
-#include "structures/top_tree.hpp"
 #include "structures/two_level_plan.hpp"
 #include "structures/upper_level.hpp"
 
@@ -12,16 +11,11 @@ namespace raig {
 
 namespace {
 
-/// Bytes of the top tree and of the records of instances and bottoms, at most. Throws limitError if they exceed the budget.
+/// Bytes of the top tree and of the records of instances and bottoms. Throws limitError if they exceed the budget.
 uint64_t topBytes(const TwoLevelPlan& plan, const BuildParams& params) {
-    uint64_t instances = 1, bottoms = 1;  // what is written out
-    for (const KeptMesh& mesh : plan.kept) {
-        instances += mesh.instances.size();
-        bottoms += mesh.instances.empty() ? 0 : 1;
-    }
-    if (instances == 1) return 0;
-    const uint64_t records = instances * shared::INSTANCE_STRIDE + bottoms * shared::BOTTOM_STRIDE + shared::INSTANCES_UNIT;
-    const uint64_t bytes = topTreeBytes(instances) + records * sizeof(uvec4);
+    if (plan.isOneLevel()) return 0;
+    const uint64_t instances = plan.instanceCount();
+    const uint64_t bytes = upperPlaces(instances, plan.meshes.size()).end * sizeof(uvec4);
     if (bytes > params.memoryBudget)
         throw limitError("{} instances need {} MiB and --memory-budget allows {}: raise it", instances, (bytes >> 20) + 1,
                          params.memoryBudget >> 20);

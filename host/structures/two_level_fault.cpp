@@ -88,8 +88,9 @@ private:
             return "its arrays are too short for its upper level, or too long";
         for (size_t i = 0; i < plan_.meshes.size(); ++i) nodesAt_.push_back(recordOf(i)[4].x);
         nodesAt_.push_back(all);
+        if (nodesAt_.front() != places_.end) return "the record of bottom 0: its nodes are out of place";
         for (size_t i = 0; i < plan_.meshes.size(); ++i)
-            if (nodesAt_[i] > nodesAt_[i + 1] || nodesAt_.front() != places_.end)
+            if (nodesAt_[i] > nodesAt_[i + 1])
                 return fmt::format("the record of bottom {}: its nodes are out of place", i);
         return std::nullopt;
     }
@@ -114,7 +115,7 @@ private:
         const UpperLevel upper = makeUpperLevel(scene_, plan_, shapes_);
         const auto differing = std::mismatch(upper.nodes.begin(), upper.nodes.end(), structure_.nodes.begin());
         const auto at = static_cast<uint64_t>(differing.first - upper.nodes.begin());
-        if (at < places_.topTree) return fmt::format("the top tree: node {} is not that of the scene", at / 2);
+        if (at < places_.topTreeEnd) return fmt::format("the top tree: node {} is not that of the scene", at / 2);
         if (at < places_.instances) return "there is something between the top tree and the instances";
         if (at < places_.bottoms)
             return fmt::format("the record of instance {} is not that of the scene",

@@ -74,8 +74,8 @@ uint64_t writeBottoms(const TwoLevelPlan& plan, std::span<const BottomShape> sha
 
 UpperPlaces upperPlaces(uint64_t instances, uint64_t bottoms) {
     UpperPlaces places;
-    places.topTree = topTreeBytes(instances) / sizeof(uvec4);
-    places.instances = (places.topTree + shared::INSTANCES_UNIT - 1) / shared::INSTANCES_UNIT * shared::INSTANCES_UNIT;
+    places.topTreeEnd = topTreeBytes(instances) / sizeof(uvec4);
+    places.instances = (places.topTreeEnd + shared::INSTANCES_UNIT - 1) / shared::INSTANCES_UNIT * shared::INSTANCES_UNIT;
     places.bottoms = places.instances + instances * shared::INSTANCE_STRIDE;
     places.end = places.bottoms + bottoms * shared::BOTTOM_STRIDE;
     return places;
@@ -91,7 +91,7 @@ UpperLevel makeUpperLevel(const PlacedScene& scene, const TwoLevelPlan& plan, st
     UpperLevel upper;
     upper.places = upperPlaces(all.size(), shapes.size());
     upper.nodes = std::move(top.nodes);
-    RAIG_CHECK_OP(upper.nodes.size(), ==, upper.places.topTree);
+    RAIG_CHECK_OP(upper.nodes.size(), ==, upper.places.topTreeEnd);
     upper.nodes.resize(upper.places.end, uvec4(0));
     const uint64_t triangles = writeBottoms(plan, shapes, upper);
     writeInstances(all, shapes, plan.unit, upper);

@@ -6,9 +6,9 @@
 
 namespace raig {
 
-/// Where the parts lie in the array of nodes, in uvec4; the bottoms' nodes begin at `end`.
+/// Where the parts lie in the array of nodes, in uvec4; the top tree at 0, and the bottoms' nodes from `end` on.
 struct UpperPlaces {
-    uint64_t topTree = 0;  ///< size of the top tree, which lies at 0
+    uint64_t topTreeEnd = 0;
     uint64_t instances = 0;
     uint64_t bottoms = 0;
     uint64_t end = 0;
