@@ -75,6 +75,9 @@ TEST(StressCommand, PrintsALineForEachCaseOrEachStructure) {
     const ProgramResult all = quickStress({"--case", "14", "--accel", "bvh", "-v"});
     for (const char* const one : {"brute", "--walk skip", "--bound obb"})
         EXPECT_NE(all.output.find(one), std::string::npos) << all.output;
+    const ProgramResult budget = quickStress({"--case", "14", "--accel", "all", "--memory-budget", "64", "-v"});
+    for (const char* const one : {"grid --memory-budget 64", "bvh --walk skip --memory-budget 64"})
+        EXPECT_NE(budget.output.find(one), std::string::npos) << budget.output;
     const ProgramResult controls = quickStress({"--case", "14", "--controls"});
     EXPECT_EQ(controls.exitCode, 0);
     EXPECT_EQ(controls.output.find("answers"), std::string::npos) << controls.output;
@@ -82,8 +85,9 @@ TEST(StressCommand, PrintsALineForEachCaseOrEachStructure) {
 
 TEST(StressCommand, WritesAPageItsDataAndJUnit) {
     const Folder folder;
-    const std::string junit = folder.write("stress.xml", "before").string();
-    const std::string out = (std::filesystem::path(junit).parent_path() / "a" / "report").string();
+    const std::string before = folder.write("stress.xml", "before").string();
+    const std::string out = (std::filesystem::path(before).parent_path() / "a" / "report").string();
+    const std::string junit = out + "/stress.xml";  // in a folder that is not there yet
     const ProgramResult result =
         quickStress({"--case", "13", "--accel", "bvh", "--walk", "skip", "-o", out, "--junit", junit, "--quiet"});
     EXPECT_EQ(result.exitCode, 0) << result.errors;
@@ -127,6 +131,10 @@ TEST(StressCommand, RefusesWhatItCannotDo) {
     expectUsageError(stress({"--rays", "0"}), "--rays 0");
     expectUsageError(stress({"--ray", "1"}), "name that by --case");
     expectUsageError(stress({"--case", "1", "--case", "2", "--ray", "1"}), "name that by --case");
+    expectUsageError(stress({"--controls", "--ray", "5", "--case", "13"}), "leave out one of them");
+    expectUsageError(stress({"--controls", "--case", "22"}), "--controls: there is none");
+    expectUsageError(stress({"-o", "report", "--junit", "report/stress.json"}), "written twice");
+    expectUsageError(stress({"-o", "./report/", "--junit", "report/index.html"}), "written twice");
     expectUsageError(quickStress({"--case", "1", "--ray", "100"}), "--ray 100: the case has 100 rays");
     expectUsageError(stress({"--accel", "tree"}), "--accel tree");
     expectUsageError(stress({"--walk", "skip"}), "name it by --accel");

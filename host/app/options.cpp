@@ -347,11 +347,23 @@ Error explained(const CLI::App& app, const CLI::ParseError& error, int argc, con
     return usageError("there is no command {}; there are {}", *word, commands);
 }
 
-void checkFolderOf(const std::filesystem::path& file) {
+/// Whether `made`, which is made with all folders above it, is in `folder` or is that.
+bool comesWith(const std::filesystem::path& folder, const std::filesystem::path& made) {
+    if (made.empty()) return false;
+    const auto plain = [](const std::filesystem::path& path) {
+        const std::filesystem::path normal = std::filesystem::absolute(path).lexically_normal();
+        return normal.has_filename() ? normal : normal.parent_path();
+    };
+    const std::filesystem::path above = plain(folder), below = plain(made);
+    return std::mismatch(above.begin(), above.end(), below.begin(), below.end()).first == above.end();
+}
+
+/// `made`: a folder that the command makes before it writes; empty if it makes none.
+void checkFolderOf(const std::filesystem::path& file, const std::filesystem::path& made = {}) {
     if (file.empty()) return;
     const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
     std::error_code ignored;
-    if (!std::filesystem::is_directory(folder, ignored))
+    if (!std::filesystem::is_directory(folder, ignored) && !comesWith(folder, made))
         throw inputError(file, "cannot be written: there is no folder {}; make it first", folder.string());
     if (std::filesystem::is_directory(file, ignored)) throw inputError(file, "cannot be written: it is a folder");
 }
@@ -371,11 +383,13 @@ void checkFilesDiffer(const Options& options) {
         std::error_code ignored;
         if (std::filesystem::exists(a, ignored) && !std::filesystem::is_regular_file(a, ignored)) return false;
         return !a.empty() && !b.empty() &&
-               (a.lexically_normal() == b.lexically_normal() || std::filesystem::equivalent(a, b, ignored));
+               (std::filesystem::absolute(a).lexically_normal() == std::filesystem::absolute(b).lexically_normal() ||
+                std::filesystem::equivalent(a, b, ignored));
     };
     std::vector<std::filesystem::path> read = options.inputs;
     read.insert(read.end(), {options.rays, options.loadStructure});
-    const std::vector<std::filesystem::path> written = {options.output, options.hits, options.saveStructure, options.junit};
+    std::vector<std::filesystem::path> written = {options.output, options.hits, options.saveStructure, options.junit};
+    if (!options.folder.empty()) written.insert(written.begin(), {options.folder / "index.html", options.folder / "stress.json"});
     for (size_t i = 0; i < written.size(); ++i) {
         for (const std::filesystem::path& input : read)
             if (isSame(written[i], input))
@@ -422,7 +436,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     checkFolderOf(options.output);
     checkFolderOf(options.hits);
     checkFolderOf(options.saveStructure);
-    checkFolderOf(options.junit);
+    checkFolderOf(options.junit, options.folder);
     return options;
 }
 

@@ -29,9 +29,11 @@ std::vector<std::optional<DeviceInfo>> chooseDevices(const Options& options) {
     return devices;
 }
 
-/// Without options of structures: all ways to walk, or all there are; with them: this one.
+/// Without options of one structure: all ways to walk, or all there are; with them: this one.
 std::vector<Variant> chooseVariants(const Options& options) {
-    const std::string given = describeOptions(options.buildParams);
+    BuildParams own = options.buildParams;
+    own.memoryBudget = BuildParams{}.memoryBudget;  // every structure's
+    const std::string given = describeOptions(own);
     if (!given.empty() && (!options.accelGiven || options.accel == "all"))
         throw usageError("{}: options are a structure's; name it by --accel", given);
     if (!given.empty()) {
@@ -44,6 +46,7 @@ std::vector<Variant> chooseVariants(const Options& options) {
         return variant.structure == "brute" ||
                (options.accelGiven && options.accel != "all" && variant.structure != options.accel);
     });
+    for (Variant& variant : variants) variant.params.memoryBudget = options.buildParams.memoryBudget;
     return variants;
 }
 
@@ -81,14 +84,13 @@ std::string commandOf(const Options& options, bool forReplay) {
 }
 
 /// Runs the cases on one device.
-void runOn(const std::optional<DeviceInfo>& info, const Options& options, StressDocument& document,
-           std::vector<Json>& arithmetic, std::optional<StressReplay>& replay) {
+void runOn(const std::optional<DeviceInfo>& info, const Options& options, const std::vector<Variant>& variants,
+           StressDocument& document, std::vector<Json>& arithmetic, std::optional<StressReplay>& replay) {
     const std::unique_ptr<Device> device = info ? std::make_unique<Device>(*info) : nullptr;
     const MeasuredArithmetic measured =
         device ? measureArithmetic(*device) : MeasuredArithmetic{measureHostArithmetic(), ""};
     document.devices.push_back({info ? info->name : "cpu", info ? info->driver : "", describe(measured)});
     arithmetic.push_back(toJson(measured));
-    if (options.onlyControls) return;
     const Variant brute{"brute", {}};
     StressSettings settings{.cases = document.cases,
                             .draw = {.seed = options.seed, .times = options.isLong ? longTimes : 1},
@@ -98,7 +100,7 @@ void runOn(const std::optional<DeviceInfo>& info, const Options& options, Stress
                             .brute = subjectOf(brute, device.get()),
                             .bruteOnCpu = {},
                             .subjects = {}};
-    for (const Variant& variant : chooseVariants(options)) settings.subjects.push_back(subjectOf(variant, device.get()));
+    for (const Variant& variant : variants) settings.subjects.push_back(subjectOf(variant, device.get()));
     // Where the device computes as the CPU does, down to denormals, it must find what that finds.
     if (device && measured.arithmetic && measured.arithmetic->ieee() && measured.arithmetic->denormals == "kept")
         settings.bruteOnCpu = subjectOf(brute, nullptr);
@@ -113,13 +115,22 @@ void runOn(const std::optional<DeviceInfo>& info, const Options& options, Stress
         replay = std::move(report.replay);
 }
 
-void runControls(const Options& options, StressDocument& document) {
-    if (options.ray) return;
+/// Those of the cases; none with one ray, which are for the structures only.
+std::vector<Control> chooseControls(const Options& options, const std::vector<hard::Case>& cases) {
+    if (options.onlyControls && options.ray)
+        throw usageError("--ray is for structures, and --controls runs none; leave out one of them");
+    if (options.ray) return {};
     std::vector<Control> controls = allControls();
     std::erase_if(controls, [&](const Control& control) {
-        return std::none_of(document.cases.begin(), document.cases.end(),
+        return std::none_of(cases.begin(), cases.end(),
                             [&](const hard::Case& one) { return one.number == control.number; });
     });
+    if (options.onlyControls && controls.empty())
+        throw usageError("--controls: there is none of what --case names; leave that out to run all");
+    return controls;
+}
+
+void runControls(const Options& options, const std::vector<Control>& controls, StressDocument& document) {
     Progress progress("controls");
     for (size_t i = 0; i < controls.size(); ++i) {
         progress.update("controls", double(i) / double(controls.size()));
@@ -248,14 +259,17 @@ int stress(const Options& options) {
     document.replay = commandOf(options, /* forReplay= */ true);
     document.seed = options.seed;
     document.cases = chooseCases(options);
-    chooseVariants(options);  // what is wrong with them should be told first
     if (options.ray && document.cases.size() != 1) throw usageError("--ray is a ray of one case; name that by --case");
+    const std::vector<Variant> variants = chooseVariants(options);
+    const std::vector<Control> controls = chooseControls(options, document.cases);
     if (!options.folder.empty()) makeFolder(options.folder);
 
     std::vector<Json> arithmetic;
     std::optional<StressReplay> replay;
-    for (const std::optional<DeviceInfo>& info : chooseDevices(options)) runOn(info, options, document, arithmetic, replay);
-    runControls(options, document);
+    if (!options.onlyControls)
+        for (const std::optional<DeviceInfo>& info : chooseDevices(options))
+            runOn(info, options, variants, document, arithmetic, replay);
+    runControls(options, controls, document);
     document.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
     const std::string json = textOf(toJson(document, arithmetic, replay));
