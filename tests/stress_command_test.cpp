@@ -104,7 +104,7 @@ TEST(StressCommand, WritesAPageItsDataAndJUnit) {
 }
 
 TEST(StressCommand, ShowsWhatEachSaysOfOneRay) {
-    const ProgramResult result = quickStress({"--case", "15", "--ray", "77", "-v"});
+    const ProgramResult result = quickStress({"--case", "15", "--ray", "77"});
     EXPECT_EQ(result.exitCode, 0) << result.errors;
     EXPECT_NE(result.output.find("ray 77: in scene \"edges\""), std::string::npos) << result.output;
     for (const char* const one : {"exactly", "brute", "grid", "bvh --walk skip", "right"})

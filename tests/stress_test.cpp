@@ -13,9 +13,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <fstream>
+#include <new>
+#include <stdexcept>
 
 namespace raig {
 namespace {
@@ -118,11 +118,63 @@ TEST(Stress, CountsAnyHitQueriesThatDisagree) {
 }
 
 TEST(Stress, CountsErrorsAndGoesOn) {
-    const StressSubject broken{"bvh", "", [](std::span<const Triangle>) -> AnswerRays { throw limitError("no room"); }};
+    const auto prepare = [](std::span<const Triangle>) -> AnswerRays { throw std::logic_error("no room"); };
+    const StressSubject broken{"bvh", "", prepare};
     const StressReport report = runWith(broken);
     EXPECT_EQ(spoiledResult(report).count(StressFault::error), spoiledResult(report).rays);
     EXPECT_NE(report.results[1].examples.at(0).what.find("no room"), std::string::npos);
-    EXPECT_THROW(runWith({"bvh", "", [](std::span<const Triangle>) -> AnswerRays { throw deviceError("lost"); }}), Error);
+    EXPECT_FALSE(report.stopped.has_value());
+}
+
+StressSubject throwing(const Error& error) {
+    return {"bvh", "", [error](std::span<const Triangle>) -> AnswerRays { throw error; }};
+}
+
+TEST(Stress, ALostDeviceEndsTheRunAndIsAnErrorOfItsCaseAndStructure) {
+    const auto lost = [](const Ray& ray, Hit&, Query query) {
+        if (isChosen(ray) && query == Query::any) throw deviceError("lost");
+    };
+    for (const StressSubject& subject : {throwing(deviceError("lost")), spoiled(lost)}) {
+        const StressReport report = runWith(subject);
+        const StressResult& result = spoiledResult(report);
+        EXPECT_EQ(result.count(StressFault::error), result.rays);
+        EXPECT_EQ(result.forbidden(), result.rays);
+        ASSERT_TRUE(report.stopped.has_value());
+        EXPECT_EQ(report.stopped->exitCode, ExitCode::noDevice);
+        EXPECT_TRUE(std::string(report.stopped->what()).starts_with("case 13, bvh")) << report.stopped->what();
+    }
+    const StressSettings settings{.cases = {hard::caseOf(13), hard::caseOf(14)},
+                                  .draw = {},
+                                  .rays = 10,
+                                  .ray = {},
+                                  .device = "none",
+                                  .brute = throwing(deviceError("cannot be opened")),
+                                  .bruteOnCpu = {},
+                                  .subjects = {subjectOf({"bvh", {}}, nullptr)}};
+    const StressReport report = stress(settings, [](const std::string&, double) {});
+    ASSERT_EQ(report.results.size(), 1u) << "what was not run has no result";
+    EXPECT_EQ(report.results[0].count(StressFault::error), 10u);
+}
+
+TEST(Stress, ALimitEndsTheRunAndIsNoWrongAnswer) {
+    const StressReport report = runWith(throwing(limitError("too large")));
+    EXPECT_EQ(report.results.size(), 1u) << "brute force";
+    EXPECT_EQ(report.forbidden(), 0u);
+    ASSERT_TRUE(report.stopped.has_value());
+    EXPECT_EQ(report.stopped->exitCode, ExitCode::limit);
+    const auto runOut = [](std::span<const Triangle>) -> AnswerRays { throw std::bad_alloc(); };
+    EXPECT_THROW(runWith({"bvh", "", runOut}), std::bad_alloc);
+}
+
+// A ray may be answered wrong by both queries: it is one that is wrong.
+TEST(Stress, CountsARayOnce) {
+    const StressReport report = runWith(spoiled([](const Ray&, Hit& hit, Query query) {
+        hit = query == Query::closest ? Hit{0.0f, 0.0f, 0.0f, NO_HIT} : Hit{1.0f, 0.25f, 0.25f, 0};
+    }));
+    const StressResult& result = spoiledResult(report);
+    EXPECT_EQ(result.count(StressFault::missed), result.rays);
+    EXPECT_EQ(result.count(StressFault::any), result.rays);
+    EXPECT_EQ(report.forbidden(), result.rays);
 }
 
 /// A structure as it is built, where the first node that is missed leads to itself.
@@ -256,7 +308,7 @@ StressDocument badDocument() {
     StressDocument document;
     document.version = "<&\"'>\x01\xff";
     document.replay = "raig stress --seed 0";
-    document.devices = {{"cpu", "", "as IEEE 754"}};
+    document.devices = {{"cpu", "", "as IEEE 754", "cpu", {}}};
     document.cases = {hard::caseOf(13), hard::caseOf(14)};
     document.results = runWith(spoiled([](const Ray& ray, Hit& hit, Query) {
                            if (isChosen(ray)) hit = {0.0f, 0.0f, 0.0f, NO_HIT};
@@ -279,6 +331,9 @@ TEST(StressDocument, FallsShortByAnAnswerOrAControl) {
     EXPECT_NE(describeFailure(document, document.results[1]), "");
     document.results.pop_back();
     EXPECT_FALSE(document.fellShort());
+    document.devices[0].stopped = limitError("too large");
+    EXPECT_TRUE(document.fellShort());
+    EXPECT_NE(stressPage(document).find("Not all was run on 1 of 1 devices"), std::string::npos);
     EXPECT_EQ(describeFailure(document, document.results[0]), "");
 }
 
@@ -303,7 +358,6 @@ TEST(StressPage, LoadsNothingRunsNothingAndSaysWhatFailedFirst) {
         };
         EXPECT_EQ(count(open), count("</" + std::string(open + 1))) << open;
     }
-    if (const char* const file = std::getenv("RAIG_STRESS_PAGE")) std::ofstream(file) << page;  // to look at it
 }
 
 TEST(JUnit, IsWellFormedWhateverTheTexts) {

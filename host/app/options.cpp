@@ -285,8 +285,8 @@ void addStress(CLI::App& app, Options& options) {
     command.add_option_function<std::vector<std::string>>("--case", appendCase, "a case, by its number (default: all)")
         ->type_name("N")->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     const auto parseRays = [&options](const std::string& text) {
-        const std::optional<uint32_t> count = wholeNumber(text, 1, 100'000'000);
-        if (!count) throw usageError("--rays {}: a whole number from 1 to 100000000 is wanted", text);
+        const std::optional<uint32_t> count = wholeNumber(text, 1, 10'000'000);  // all of a case are in memory at once
+        if (!count) throw usageError("--rays {}: a whole number from 1 to 10000000 is wanted; --seed draws others", text);
         options.rayCount = *count;
     };
     command.add_option_function<std::string>("--rays", parseRays, "rays a case (default: some hundred to some thousand)")
@@ -300,7 +300,7 @@ void addStress(CLI::App& app, Options& options) {
         ->type_name("K");
     command.add_flag("--long", options.isLong, "30 times the rays, and every option of every structure");
     command.add_flag("--controls", options.onlyControls, "only the controls: textbook methods that must fail");
-    command.add_flag("-v,--verbose", options.verbose, "a line for each structure");
+    command.add_flag("-v,--verbose", options.verbose, "a line for each structure, not for the worst of a case");
     command.add_option("-o,--output", options.folder, "write a page, index.html, and its data, stress.json, to this folder")
         ->type_name("DIR");
     command.add_option("--junit", options.junit, "write the results as JUnit's XML to this file")->type_name("FILE");
@@ -311,10 +311,11 @@ void addStress(CLI::App& app, Options& options) {
         "  raig stress\n"
         "  raig stress --case 13 --case 14 --accel bvh --rays 100000\n"
         "  raig stress --device all -o report --junit stress.xml\n"
-        "  raig stress --case 13 --seed 7 --ray 42 -v\n"
+        "  raig stress --case 13 --seed 7 --ray 42\n"
         "--device all: all devices and the CPU, one after the other.\n"
         "Exits with 1 if an answer is missed, invented or wrong by exact arithmetic, differs from brute force's bits, or\n"
-        "never comes; or if a control does not fail as it should.");
+        "never comes; or if a control does not fail as it should. Where a device is lost or a limit reached, the others\n"
+        "still run and results are written: then it exits with 4 or 5.");
 }
 
 void addInfo(CLI::App& app, Options& options) {
@@ -389,7 +390,8 @@ void checkFilesDiffer(const Options& options) {
     std::vector<std::filesystem::path> read = options.inputs;
     read.insert(read.end(), {options.rays, options.loadStructure});
     std::vector<std::filesystem::path> written = {options.output, options.hits, options.saveStructure, options.junit};
-    if (!options.folder.empty()) written.insert(written.begin(), {options.folder / "index.html", options.folder / "stress.json"});
+    if (!options.folder.empty())
+        written.insert(written.begin(), {options.folder / "index.html", options.folder / "stress.json"});
     for (size_t i = 0; i < written.size(); ++i) {
         for (const std::filesystem::path& input : read)
             if (isSame(written[i], input))

@@ -60,14 +60,19 @@ std::vector<hard::Case> chooseCases(const Options& options) {
     return cases;
 }
 
+/// As a shell takes it for one word.
 std::string quoted(const std::string& text) {
     const bool isPlain = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
         return std::isalnum(c) || std::string_view("-_./:=,").find(static_cast<char>(c)) != std::string_view::npos;
     });
-    return isPlain ? text : "'" + text + "'";
+    if (isPlain) return text;
+    std::string word = "'";
+    for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
+    return word + "'";
 }
 
-/// The command line again: without what chooses cases and where results go, if it is for other rays of the same batch.
+/// The command line again, without where results go; if it is for other rays of the same batch, without what chooses cases
+/// and the device.
 std::string commandOf(const Options& options, bool forReplay) {
     std::string text = fmt::format("raig stress --seed {}", options.seed);
     if (!forReplay)
@@ -77,19 +82,40 @@ std::string commandOf(const Options& options, bool forReplay) {
     if (options.accelGiven) text += " --accel " + options.accel;
     const std::string given = describeOptions(options.buildParams);
     if (!given.empty()) text += " " + given;
-    if (options.device != "auto" && (!forReplay || options.device != "all")) text += " --device " + quoted(options.device);
+    if (!forReplay && options.device != "auto") text += " --device " + quoted(options.device);
     if (!forReplay && options.onlyControls) text += " --controls";
     if (!forReplay && options.ray) text += fmt::format(" --ray {}", *options.ray);
     return text;
 }
 
-/// Runs the cases on one device.
+/// What of no device is known. `others`: all there are in the run; where one has the same name, the index is told, too.
+StressDevice describeDevice(const std::optional<DeviceInfo>& info, const std::vector<std::optional<DeviceInfo>>& others) {
+    if (!info) return {"cpu", "", "", "cpu", {}};
+    const auto same = std::count_if(others.begin(), others.end(),
+                                    [&](const auto& other) { return other && other->name == info->name; });
+    return {same > 1 ? fmt::format("{} ({})", info->name, info->index) : info->name, info->driver, "",
+            std::to_string(info->index), {}};
+}
+
+/// A device that cannot be opened answers no ray: so the first case says, and the run goes on with the others.
+StressSubject unopened(const Error& error) {
+    return {"brute", "", [error](std::span<const Triangle>) -> AnswerRays { throw error; }};
+}
+
+/// Runs the cases on one device, the last of the document's.
 void runOn(const std::optional<DeviceInfo>& info, const Options& options, const std::vector<Variant>& variants,
            StressDocument& document, std::vector<Json>& arithmetic, std::optional<StressReplay>& replay) {
-    const std::unique_ptr<Device> device = info ? std::make_unique<Device>(*info) : nullptr;
-    const MeasuredArithmetic measured =
-        device ? measureArithmetic(*device) : MeasuredArithmetic{measureHostArithmetic(), ""};
-    document.devices.push_back({info ? info->name : "cpu", info ? info->driver : "", describe(measured)});
+    std::unique_ptr<Device> device;
+    std::optional<Error> failure;
+    try {
+        if (info) device = std::make_unique<Device>(*info);
+    } catch (const Error& error) {
+        failure = error;
+    }
+    const MeasuredArithmetic measured = failure  ? MeasuredArithmetic{std::nullopt, failure->what()}
+                                        : device ? measureArithmetic(*device)
+                                                 : MeasuredArithmetic{measureHostArithmetic(), ""};
+    document.devices.back().arithmetic = describe(measured);
     arithmetic.push_back(toJson(measured));
     const Variant brute{"brute", {}};
     StressSettings settings{.cases = document.cases,
@@ -97,7 +123,8 @@ void runOn(const std::optional<DeviceInfo>& info, const Options& options, const 
                             .rays = options.rayCount,
                             .ray = options.ray,
                             .device = document.devices.back().name,
-                            .brute = subjectOf(brute, device.get()),
+                            .deviceNumber = document.devices.size() - 1,
+                            .brute = failure ? unopened(*failure) : subjectOf(brute, device.get()),
                             .bruteOnCpu = {},
                             .subjects = {}};
     for (const Variant& variant : variants) settings.subjects.push_back(subjectOf(variant, device.get()));
@@ -109,9 +136,10 @@ void runOn(const std::optional<DeviceInfo>& info, const Options& options, const 
     StressReport report =
         raig::stress(settings, [&](const std::string& step, double done) { progress.update(prefix + step, done); });
     document.results.insert(document.results.end(), report.results.begin(), report.results.end());
+    document.devices.back().stopped = report.stopped;
     if (replay && report.replay)
         replay->answers.insert(replay->answers.end(), report.replay->answers.begin(), report.replay->answers.end());
-    else
+    else if (report.replay)
         replay = std::move(report.replay);
 }
 
@@ -156,10 +184,10 @@ void printResults(const StressDocument& document, bool verbose) {
     };
     std::vector<Line> lines;
     for (const hard::Case& hardCase : document.cases)
-        for (const StressDevice& device : document.devices) {
+        for (size_t device = 0; device < document.devices.size(); ++device) {
             Line line{&hardCase, nullptr};
             for (const StressResult& r : document.results) {
-                if (r.number != hardCase.number || r.device != device.name) continue;
+                if (r.number != hardCase.number || r.deviceNumber != device) continue;
                 if (verbose) lines.push_back({&hardCase, &r});
                 ++line.structures;
                 line.failing += r.forbidden() > 0;
@@ -240,6 +268,16 @@ void warnOfFailures(const StressDocument& document) {
             log::warn("fell short: control of case {}, {}: {}", r.control.number, r.control.method, describeFailure(r));
 }
 
+/// Throws what stopped the first device that did not run all, for the exit code; of others a warning tells.
+void tellOfStops(const StressDocument& document) {
+    const StressDevice* first = nullptr;
+    for (const StressDevice& device : document.devices) {
+        if (device.stopped && first != nullptr) log::warn("{}", device.stopped->what());
+        if (device.stopped && first == nullptr) first = &device;
+    }
+    if (first != nullptr) throw Error(*first->stopped);
+}
+
 void makeFolder(const std::filesystem::path& folder) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
@@ -266,9 +304,13 @@ int stress(const Options& options) {
 
     std::vector<Json> arithmetic;
     std::optional<StressReplay> replay;
-    if (!options.onlyControls)
-        for (const std::optional<DeviceInfo>& info : chooseDevices(options))
+    if (!options.onlyControls) {
+        const std::vector<std::optional<DeviceInfo>> devices = chooseDevices(options);
+        for (const std::optional<DeviceInfo>& info : devices) {
+            document.devices.push_back(describeDevice(info, devices));
             runOn(info, options, variants, document, arithmetic, replay);
+        }
+    }
     runControls(options, controls, document);
     document.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
@@ -295,6 +337,7 @@ int stress(const Options& options) {
         fmt::print("; {:.1f} s\n", document.seconds);
     }
     warnOfFailures(document);
+    tellOfStops(document);
     return static_cast<int>(document.fellShort() ? ExitCode::fellShort : ExitCode::done);
 }
 

@@ -26,8 +26,9 @@ double perMillion(uint64_t count, uint64_t rays) {
 Json toJson(const StressDocument& document, const StressResult& r) {
     Json json = {{"case", r.number},         {"what", whatOf(document, r.number)},
                  {"structure", r.structure}, {"options", r.options},
-                 {"device", r.device},       {"rays", r.rays},
-                 {"hits", r.hits},           {"open", r.open}};
+                 {"device", r.device},       {"device_number", r.deviceNumber},
+                 {"rays", r.rays},           {"hits", r.hits},
+                 {"open", r.open},           {"forbidden", r.forbidden()}};
     for (size_t fault = 1; fault < stressFaults; ++fault) json[stressFaultNames[fault]] = r.counts[fault];
     json["control"] = false;
     json["seed"] = document.seed;
@@ -121,9 +122,14 @@ Json toJson(const StressDocument& document, const std::vector<Json>& arithmetic,
                  {"results", Json::array()},
                  {"forbidden", document.forbidden()},
                  {"broken_controls", document.brokenControls()}};
-    for (size_t i = 0; i < document.devices.size(); ++i)
-        json["devices"].push_back(
-            {{"name", document.devices[i].name}, {"driver", document.devices[i].driver}, {"arithmetic", arithmetic.at(i)}});
+    for (size_t i = 0; i < document.devices.size(); ++i) {
+        const StressDevice& device = document.devices[i];
+        json["devices"].push_back({{"name", device.name},
+                                   {"argument", device.argument},
+                                   {"driver", device.driver},
+                                   {"arithmetic", arithmetic.at(i)},
+                                   {"stopped", device.stopped ? Json(device.stopped->what()) : Json(nullptr)}});
+    }
     for (const StressResult& result : document.results) json["results"].push_back(toJson(document, result));
     for (const ControlResult& result : document.controls) json["results"].push_back(toJson(document, result));
     if (replay) json["ray"] = toJson(*replay);
@@ -135,6 +141,9 @@ std::string toJUnit(const StressDocument& document) {
     for (const StressResult& r : document.results)
         tests.push_back({fmt::format("stress.{}", r.device), fmt::format("case {}, {}", r.number, r.name()), r.seconds,
                          describeFailure(document, r)});
+    for (const StressDevice& device : document.devices)
+        if (device.stopped)
+            tests.push_back({fmt::format("stress.{}", device.name), "all is run", 0.0, device.stopped->what()});
     for (const ControlResult& r : document.controls)
         tests.push_back({"stress.controls", fmt::format("case {}, {} fails", r.control.number, r.control.method), 0.0,
                          describeFailure(r)});

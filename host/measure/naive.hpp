@@ -1,5 +1,5 @@
 /// Textbook intersections and walks, with the faults that the hard cases are about: they must fail there, or the cases ask
-/// nothing. For tests only.
+/// nothing. For the controls of `raig stress` and for tests only: nothing that is rendered or traced comes from here.
 #pragma once
 
 #include "rays/types.hpp"

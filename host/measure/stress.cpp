@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
-#include <numeric>
+#include <new>
 
 namespace raig {
 
@@ -22,8 +22,14 @@ struct Answers {
     std::vector<StressFault> closestFaults, anyFaults;
     std::vector<uint8_t> open;
     std::string thrown;
+    std::optional<Error> stopped;  ///< what leaves no use in asking on
     double seconds = 0.0;
 };
+
+/// True for a lost device and for a limit: neither is an answer of the structure's.
+bool endsRun(const Error& error) {
+    return error.exitCode == ExitCode::noDevice || error.exitCode == ExitCode::limit;
+}
 
 bool sameBits(const Hit& a, const Hit& b) {
     return std::memcmp(&a, &b, sizeof(Hit)) == 0;
@@ -34,25 +40,28 @@ bool sameBits(const Hit& a, const Hit& b) {
 class Asking {
 public:
     Asking(const AnswerRays& answer, const std::vector<Ray>& rays, Query query, std::vector<Hit>& hits,
-           std::vector<StressFault>& faults, std::string& thrown)
-        : answer_(answer), rays_(rays), query_(query), hits_(hits), faults_(faults), thrown_(thrown) {}
+           std::vector<StressFault>& faults, Answers& answers)
+        : answer_(answer), rays_(rays), query_(query), hits_(hits), faults_(faults), answers_(answers) {}
 
     void ask(size_t begin, size_t end) {
         if (begin == end) return;
+        if (answers_.stopped) return giveUp(begin, end, StressFault::error);
         try {
             answer_(std::span(rays_).subspan(begin, end - begin), std::span(hits_).subspan(begin, end - begin), query_);
         } catch (const CorruptStructure& corrupt) {
-            thrown_ = corrupt.what();
+            answers_.thrown = corrupt.what();
             if (end - begin == 1 || ++hangs_ > mostHangs) return giveUp(begin, end, StressFault::hung);
             const size_t middle = begin + (end - begin) / 2;
             ask(begin, middle);
             ask(middle, end);
+        } catch (const std::bad_alloc&) {
+            throw;
         } catch (const Error& error) {
-            if (error.exitCode == ExitCode::noDevice) throw;
-            thrown_ = error.what();
+            answers_.thrown = error.what();
+            if (endsRun(error)) answers_.stopped = error;
             giveUp(begin, end, StressFault::error);
         } catch (const std::exception& other) {
-            thrown_ = other.what();
+            answers_.thrown = other.what();
             giveUp(begin, end, StressFault::error);
         }
     }
@@ -72,7 +81,7 @@ private:
     Query query_;
     std::vector<Hit>& hits_;
     std::vector<StressFault>& faults_;
-    std::string& thrown_;
+    Answers& answers_;
     size_t hangs_ = 0;
 };
 
@@ -85,20 +94,23 @@ Answers askAll(const StressSubject& subject, const hard::Scene& scene) {
                     .anyFaults = std::vector<StressFault>(count, StressFault::none),
                     .open = std::vector<uint8_t>(count, 0),
                     .thrown = "",
+                    .stopped = {},
                     .seconds = 0.0};
     const auto start = std::chrono::steady_clock::now();
     AnswerRays answer;
     try {
         answer = subject.prepare(scene.triangles);
+    } catch (const std::bad_alloc&) {
+        throw;
     } catch (const Error& error) {
-        if (error.exitCode == ExitCode::noDevice) throw;
         answers.thrown = error.what();
+        if (endsRun(error)) answers.stopped = error;
     } catch (const std::exception& other) {
         answers.thrown = other.what();
     }
     if (answer) {
-        Asking(answer, scene.rays, Query::closest, answers.closest, answers.closestFaults, answers.thrown).ask(0, count);
-        Asking(answer, scene.rays, Query::any, answers.any, answers.anyFaults, answers.thrown).ask(0, count);
+        Asking(answer, scene.rays, Query::closest, answers.closest, answers.closestFaults, answers).ask(0, count);
+        Asking(answer, scene.rays, Query::any, answers.any, answers.anyFaults, answers).ask(0, count);
     } else {
         answers.closestFaults.assign(count, StressFault::error);
     }
@@ -165,7 +177,9 @@ void add(StressResult& result, const hard::Scene& scene, const hard::Oracle& ora
     for (size_t i = 0; i < scene.rays.size(); ++i) {
         result.hits += answers.closest[i].primitive != NO_HIT;
         result.open += answers.open[i];
-        for (const StressFault fault : {answers.closestFaults[i], answers.anyFaults[i]}) {
+        const StressFault closest = answers.closestFaults[i], any = answers.anyFaults[i];
+        result.faulty += closest != StressFault::none || any != StressFault::none;
+        for (const StressFault fault : {closest, any == closest ? StressFault::none : any}) {
             if (fault == StressFault::none) continue;
             ++result.counts[static_cast<size_t>(fault)];
             if (result.examples.size() == mostExamples) continue;
@@ -195,14 +209,25 @@ void keepOnly(std::vector<hard::Scene>& scenes, uint64_t number) {
     }
 }
 
-/// All subjects, brute first, with the rays of a scene, whose first is ray `first` of the case.
-void runScene(const StressSettings& settings, const std::vector<StressSubject>& subjects, const hard::Scene& scene,
-              uint64_t first, std::vector<StressResult>& results, std::optional<StressReplay>& replay,
-              const std::function<void(double)>& tell) {
+/// What ended the run, and where. Nothing if nothing did.
+std::optional<Error> stopOf(const Answers& answers, uint32_t number, const StressSubject& subject,
+                            const std::string& device) {
+    if (!answers.stopped) return std::nullopt;
+    return Error(answers.stopped->exitCode,
+                 fmt::format("case {}, {}{}{} on {}: {}", number, subject.structure, subject.options.empty() ? "" : " ",
+                             subject.options, device, answers.stopped->what()));
+}
+
+/// All subjects, brute first, with the rays of a scene, whose first is ray `first` of the case. Returns what ended that
+/// early.
+std::optional<Error> runScene(const StressSettings& settings, const std::vector<StressSubject>& subjects,
+                              const hard::Scene& scene, uint64_t first, std::vector<StressResult>& results,
+                              std::optional<StressReplay>& replay, const std::function<void(double)>& tell) {
     const hard::Oracle oracle(scene.triangles);
     Answers onCpu, brute;
     if (settings.bruteOnCpu) {
         onCpu = askAll(*settings.bruteOnCpu, scene);
+        if (onCpu.stopped) return stopOf(onCpu, results[0].number, *settings.bruteOnCpu, "cpu");
         judge(onCpu, scene, oracle, nullptr);
     }
     if (settings.ray)
@@ -216,18 +241,18 @@ void runScene(const StressSettings& settings, const std::vector<StressSubject>& 
         tell(double(i) / double(subjects.size()));
         const Answers* const yardstick = i > 0 ? &brute : settings.bruteOnCpu ? &onCpu : nullptr;
         Answers answers = askAll(subjects[i], scene);
+        const std::optional<Error> stop = stopOf(answers, results[i].number, subjects[i], settings.device);
+        if (stop && stop->exitCode == ExitCode::limit) return stop;
         judge(answers, scene, oracle, yardstick);
         add(results[i], scene, oracle, answers, yardstick, first);
         if (replay) replay->answers.push_back(answerOf(subjects[i], settings.device, answers));
+        if (stop) return stop;
         if (i == 0) brute = std::move(answers);
     }
+    return std::nullopt;
 }
 
 }  // namespace
-
-uint64_t StressResult::forbidden() const {
-    return std::accumulate(std::begin(counts), std::end(counts), uint64_t{0});
-}
 
 uint64_t StressReport::forbidden() const {
     uint64_t sum = 0;
@@ -287,18 +312,21 @@ StressReport stress(const StressSettings& settings, const std::function<void(con
                                .structure = subject.structure,
                                .options = subject.options,
                                .device = settings.device,
+                               .deviceNumber = settings.deviceNumber,
                                .examples = {}});
         uint64_t first = settings.ray.value_or(0);
-        for (size_t i = 0; i < scenes.size(); ++i) {
+        for (size_t i = 0; i < scenes.size() && !report.stopped; ++i) {
             if (scenes[i].rays.empty()) continue;
             const auto tell = [&](double done) {
                 progress(fmt::format("case {}", hardCase.number),
                          (double(index) + (double(i) + done) / double(scenes.size())) / double(settings.cases.size()));
             };
-            runScene(settings, subjects, scenes[i], first, results, report.replay, tell);
+            report.stopped = runScene(settings, subjects, scenes[i], first, results, report.replay, tell);
             first += scenes[i].rays.size();
         }
+        std::erase_if(results, [](const StressResult& result) { return result.rays == 0; });  // not reached
         report.results.insert(report.results.end(), results.begin(), results.end());
+        if (report.stopped) break;
     }
     return report;
 }

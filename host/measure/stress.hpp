@@ -1,6 +1,7 @@
 /// The hard cases, run: how often which structure misses, invents or misplaces a hit, by exact arithmetic.
 #pragma once
 
+#include "base/error.hpp"
 #include "device/device.hpp"
 #include "measure/hard_cases.hpp"
 #include "measure/variants.hpp"
@@ -25,7 +26,7 @@ enum class StressFault : uint8_t {
               ///< force: than the CPU's, where the device computes alike
     any,      ///< an any-hit query has a hit where the closest-hit query has none, or the other way round
     hung,     ///< the walk does not end
-    error,    ///< there is no answer, as something was thrown
+    error,    ///< there is no answer, as something was thrown, or the device was lost
 };
 inline constexpr size_t stressFaults = 8;
 inline constexpr const char* stressFaultNames[stressFaults] = {"none",    "missed", "phantom", "wrong",
@@ -50,6 +51,7 @@ struct StressSettings {
     uint64_t rays = 0;                        ///< a case; 0: as many as the draw gives
     std::optional<uint64_t> ray;              ///< only this one, by its number among all rays of the one case
     std::string device;                       ///< its name, for the results
+    size_t deviceNumber = 0;                  ///< among all devices of the run, for the results
     StressSubject brute;                      ///< what the others' bits are compared with; judged first, as they are
     std::optional<StressSubject> bruteOnCpu;  ///< what brute's bits are compared with
     std::vector<StressSubject> subjects;
@@ -67,17 +69,19 @@ struct StressExample {
 struct StressResult {
     uint32_t number = 0;  ///< of the case
     std::string structure, options, device;
+    size_t deviceNumber = 0;  ///< devices may share a name
     uint64_t rays = 0;
-    uint64_t hits = 0;  ///< rays that hit something, by the subject
-    uint64_t open = 0;  ///< rays that the oracle would fault, did rounding not decide there
-    uint64_t counts[stressFaults] = {};
+    uint64_t hits = 0;    ///< rays that hit something, by the subject
+    uint64_t open = 0;    ///< rays that the oracle would fault, did rounding not decide there
+    uint64_t faulty = 0;  ///< rays with a fault, of one kind or more
+    uint64_t counts[stressFaults] = {};  ///< rays by their faults: closest-hit and any-hit query may each have one
     std::vector<StressExample> examples;  ///< the first few
     double seconds = 0.0;                 ///< to build and to trace
 
     std::string name() const { return options.empty() ? structure : structure + " " + options; }
     uint64_t count(StressFault fault) const { return counts[static_cast<size_t>(fault)]; }
-    /// All of what must not be.
-    uint64_t forbidden() const;
+    /// Rays with an answer that must not be. No more than there are rays.
+    uint64_t forbidden() const { return faulty; }
 };
 
 /// One ray, and what each says of it.
@@ -99,6 +103,9 @@ struct StressReplay {
 struct StressReport {
     std::vector<StressResult> results;
     std::optional<StressReplay> replay;  ///< where one ray was asked for
+    /// Why the run ended before all was done, with the case, the subject and the device: that was lost, or a limit was
+    /// reached. The results are those of what was done by then; rays that a lost device did not answer are errors.
+    std::optional<Error> stopped;
 
     uint64_t forbidden() const;
 };
@@ -108,7 +115,8 @@ struct StressReport {
 std::vector<hard::Scene> drawScenes(const hard::Case& hardCase, hard::Draw draw, uint64_t rays);
 
 /// Runs all cases with all subjects. `progress` is told what is at hand and the share done. Throws usageError if there is
-/// no ray of the number asked for; and deviceError if the device is lost: all else that is thrown counts as an error.
+/// no ray of the number asked for, and std::bad_alloc. A lost device and a limit end the run, see StressReport::stopped; all
+/// else that is thrown counts as an error, and the run goes on.
 StressReport stress(const StressSettings& settings, const std::function<void(const std::string&, double)>& progress);
 
 }  // namespace raig

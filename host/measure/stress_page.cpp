@@ -60,12 +60,12 @@ std::string nameOf(const hard::Case& hardCase) {
 }
 
 /// Cases by structures, on one device: what must not be, of all ways to build and walk each.
-std::string overview(const StressDocument& document, const std::string& device) {
+std::string overview(const StressDocument& document, size_t device) {
     std::vector<std::string> structures;
     std::map<std::pair<uint32_t, std::string>, uint64_t> forbidden;
     std::map<uint32_t, uint64_t> rays;
     for (const StressResult& result : document.results) {
-        if (result.device != device) continue;
+        if (result.deviceNumber != device) continue;
         if (std::find(structures.begin(), structures.end(), result.structure) == structures.end())
             structures.push_back(result.structure);
         forbidden[{result.number, result.structure}] += result.forbidden();
@@ -140,6 +140,8 @@ std::string failureList(const StressDocument& document) {
                                  escapedMarkup(document.replayOf(result, example.ray)));
         items += "</ul></li>\n";
     }
+    for (const StressDevice& device : document.devices)
+        if (device.stopped) items += fmt::format("<li>Not all was run: {}</li>\n", escapedMarkup(device.stopped->what()));
     for (const ControlResult& result : document.controls)
         if (!result.fails)
             items += fmt::format("<li>Control of case {}, {}: {}</li>\n", result.control.number,
@@ -155,6 +157,9 @@ std::string verdictOf(const StressDocument& document) {
         text += fmt::format("<p class=\"verdict good\">0 of {} answers are wrong.</p>\n", grouped(rays));
     else if (rays > 0)
         text += fmt::format("<p class=\"verdict bad\">{} of {} answers are wrong.</p>\n", grouped(forbidden), grouped(rays));
+    if (document.stoppedDevices() > 0)
+        text += fmt::format("<p class=\"verdict bad\">Not all was run on {} of {} devices.</p>\n", document.stoppedDevices(),
+                            document.devices.size());
     if (broken > 0)
         text += fmt::format(
             "<p class=\"verdict bad\">The instrument is broken: {} of {} controls do not fail as they should."
@@ -195,6 +200,11 @@ size_t StressDocument::brokenControls() const {
         std::count_if(controls.begin(), controls.end(), [](const ControlResult& result) { return !result.fails; }));
 }
 
+size_t StressDocument::stoppedDevices() const {
+    return static_cast<size_t>(std::count_if(devices.begin(), devices.end(),
+                                             [](const StressDevice& device) { return device.stopped.has_value(); }));
+}
+
 uint64_t StressDocument::rays() const {
     uint64_t sum = 0;
     for (const StressResult& result : results) sum += result.rays;
@@ -202,8 +212,8 @@ uint64_t StressDocument::rays() const {
 }
 
 std::string StressDocument::replayOf(const StressResult& result, uint64_t ray) const {
-    const std::string device = devices.size() > 1 ? fmt::format(" --device '{}'", result.device) : "";
-    return fmt::format("{}{} --case {} --ray {} -v", replay, device, result.number, ray);
+    return fmt::format("{} --device {} --case {} --ray {}", replay, devices.at(result.deviceNumber).argument, result.number,
+                       ray);
 }
 
 std::string expectedRate(const Control& control) {
@@ -242,14 +252,12 @@ std::string stressPage(const StressDocument& document) {
     page += style;
     page += "</style>\n</head>\n<body>\n<h1>Hard cases</h1>\n";
     page += verdictOf(document) + failureList(document);
-    for (const StressDevice& device : document.devices) {
-        if (document.results.empty()) break;
-        page += fmt::format("<h2>On {}</h2>\n", escapedMarkup(device.name)) + overview(document, device.name);
-    }
+    for (size_t i = 0; i < document.devices.size() && !document.results.empty(); ++i)
+        page += fmt::format("<h2>On {}</h2>\n", escapedMarkup(document.devices[i].name)) + overview(document, i);
     if (!document.results.empty())
         page +=
-            "<p class=\"soft\">Each number counts answers that must not be: hits that are missed, invented (phantom) or in "
-            "the wrong place by exact arithmetic, answers with other bits than brute force has, any-hit queries that "
+            "<p class=\"soft\">Each number counts rays with an answer that must not be: hits that are missed, invented (phantom) "
+            "or in the wrong place by exact arithmetic, answers with other bits than brute force has, any-hit queries that "
             "disagree with closest-hit ones, walks that do not end, and errors; over all ways to build and walk the "
             "structure. None in n rays means a rate below 3/n, with 95 % confidence.</p>\n";
     if (!document.controls.empty())

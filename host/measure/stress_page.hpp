@@ -4,23 +4,26 @@
 #include "measure/controls.hpp"
 #include "measure/stress.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace raig {
 
 struct StressDevice {
-    std::string name;
+    std::string name;        ///< with its index, where others have the same
     std::string driver;      ///< and version; empty: the CPU path
     std::string arithmetic;  ///< as measured, in words
+    std::string argument;    ///< what --device takes for it: its index, or cpu
+    std::optional<Error> stopped;  ///< why not all cases were run on it
 };
 
 /// A whole run.
 struct StressDocument {
     std::string version, processor;
     size_t threads = 0;
-    std::string command;  ///< as it was called
-    std::string replay;   ///< how one ray is called up again, up to the numbers of the case and the ray
+    std::string command;  ///< that does the same again, without where results are written and by how many threads
+    std::string replay;   ///< how one ray is called up again, up to the device and the numbers of the case and the ray
     uint32_t seed = 0;
     double seconds = 0.0;
     std::vector<StressDevice> devices;
@@ -30,8 +33,10 @@ struct StressDocument {
 
     uint64_t forbidden() const;
     size_t brokenControls() const;
-    /// An answer that must not be, or a control that does not fail: whoever runs this in a script must notice.
-    bool fellShort() const { return forbidden() > 0 || brokenControls() > 0; }
+    size_t stoppedDevices() const;
+    /// An answer that must not be, a device where not all were run, or a control that does not fail: whoever runs this in a
+    /// script must notice.
+    bool fellShort() const { return forbidden() > 0 || brokenControls() > 0 || stoppedDevices() > 0; }
     uint64_t rays() const;  ///< answers, by all structures on all devices
     /// The command that shows a ray of a result again.
     std::string replayOf(const StressResult& result, uint64_t ray) const;
