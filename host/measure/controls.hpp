@@ -25,14 +25,15 @@ struct ControlFindings {
 struct Control {
     uint32_t number;  ///< of the case
     std::string method;
-    double low, high;  ///< in percent: how often it fails, by the catalogue; 0 and 0 where that gives no rate
+    /// In percent: how often it fails, by the catalogue; where that gives no rate, as measured with twelve seeds, or both 0.
+    double low, high;
     std::function<ControlFindings(const std::vector<hard::Scene>&)> run;
     uint32_t draws = 1;  ///< of the case: more where failures are rare, or differ from scene to scene
     /// The catalogue's rate is the highest there is: the draw where it fails most often counts, not all together.
     bool worst = false;
 
     bool hasRate() const { return high > 0.0; }
-    /// True if it fails as often as the catalogue says, to a factor of two; where that gives no rate, if it fails at all.
+    /// True if it fails as often as that, to a factor of two; where there is no rate, if it fails at all.
     bool failsAsItShould(const ControlFindings& findings) const;
 };
 

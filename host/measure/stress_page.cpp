@@ -256,14 +256,14 @@ std::string stressPage(const StressDocument& document) {
         page += fmt::format("<h2>On {}</h2>\n", escapedMarkup(document.devices[i].name)) + overview(document, i);
     if (!document.results.empty())
         page +=
-            "<p class=\"soft\">Each number counts rays with an answer that must not be: hits that are missed, invented (phantom) "
-            "or in the wrong place by exact arithmetic, answers with other bits than brute force has, any-hit queries that "
-            "disagree with closest-hit ones, walks that do not end, and errors; over all ways to build and walk the "
-            "structure. None in n rays means a rate below 3/n, with 95 % confidence.</p>\n";
+            "<p class=\"soft\">Each number counts rays with an answer that must not be: hits that are missed, invented "
+            "(phantom) or in the wrong place by exact arithmetic, answers with other bits than brute force has, any-hit "
+            "queries that disagree with closest-hit ones, walks that do not end, and errors; over all ways to build and "
+            "walk the structure. None in n rays means a rate below 3/n, with 95 % confidence.</p>\n";
     if (!document.controls.empty())
         page += "<h2>Controls: textbook methods that must fail</h2>\n" + controlTable(document) +
-                "<p class=\"soft\">A control fails as it should if its rate is within a factor of two of the catalogue's; "
-                "where that gives none, if it fails at all.</p>\n";
+                "<p class=\"soft\">A control fails as it should if its rate is within a factor of two of the one that "
+                "is known; where none is, if it fails at all.</p>\n";
     if (!document.results.empty()) {
         page += "<h2>Case by case</h2>\n";
         for (const hard::Case& hardCase : document.cases) page += caseDetails(document, hardCase);

@@ -42,7 +42,7 @@ struct StressDocument {
     std::string replayOf(const StressResult& result, uint64_t ray) const;
 };
 
-/// "50", "74 to 88", or "any" where the catalogue gives no rate.
+/// "50", "74 to 88", or "any" where there is no rate.
 std::string expectedRate(const Control& control);
 
 /// "2 missed, 1 hung". Empty if nothing is wrong.
