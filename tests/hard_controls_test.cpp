@@ -5,6 +5,7 @@
 #include "measure/oracle.hpp"
 #include "support/effort.hpp"
 #include "support/hard_cases.hpp"
+#include "support/tally.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +15,6 @@ namespace raig {
 namespace {
 
 using hard::Oracle;
-using hard::Tally;
 using hard::naive::Slab;
 
 /// With the rays of the tests, and with others.
@@ -98,18 +98,18 @@ TEST(Oracle, NoticesEachKindOfFailure) {
     const auto judge = [&](auto spoil) {
         std::vector<Hit> hits = exact;
         for (size_t i = 0; i < hits.size(); i += 10) spoil(hits[i], i);
-        return oracle.judge(scene.rays, hits, false);
+        return test::judge(oracle, scene.rays, hits, false);
     };
     const size_t spoiled = (exact.size() + 9) / 10;
     EXPECT_EQ(judge([](Hit&, size_t) {}).failures(), 0u);
     EXPECT_EQ(judge([](Hit& hit, size_t) { hit.primitive = NO_HIT; }).of(hard::Verdict::missed), spoiled);
     EXPECT_EQ(judge([](Hit& hit, size_t) { hit.t *= 1.001f; }).of(hard::Verdict::wrong), spoiled);
     EXPECT_EQ(judge([](Hit& hit, size_t) { hit.t *= 1.001f; }).unsound, spoiled);
-    const Tally moved = judge([&](Hit& hit, size_t i) { hit.primitive = exact[(i + 5) % exact.size()].primitive; });
+    const test::Tally moved = judge([&](Hit& hit, size_t i) { hit.primitive = exact[(i + 5) % exact.size()].primitive; });
     EXPECT_GE(moved.unsound, spoiled * 9 / 10);  // a few are neighbours
     std::vector<Ray> outwards = scene.rays;
     for (Ray& ray : outwards) ray.tMax = 1e-3f;
-    EXPECT_EQ(oracle.judge(outwards, exact, false).of(hard::Verdict::phantom), exact.size());
+    EXPECT_EQ(test::judge(oracle, outwards, exact, false).of(hard::Verdict::phantom), exact.size());
 }
 
 }  // namespace

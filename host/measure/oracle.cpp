@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ostream>
+#include <map>
 
 namespace raig::hard {
 
@@ -80,18 +80,6 @@ std::string describe(const Ray& r) {
 std::string describe(const Hit& h) {
     if (h.primitive == NO_HIT) return "nothing";
     return fmt::format("triangle {} t {:.9g} u {:.9g} v {:.9g}", h.primitive, h.t, h.u, h.v);
-}
-
-size_t Tally::of(Verdict verdict) const {
-    const auto found = counts.find(verdict);
-    return found == counts.end() ? 0 : found->second;
-}
-
-std::ostream& operator<<(std::ostream& out, const Tally& t) {
-    return out << fmt::format(
-               "{} rays, {} hits: {} the same, {} ties, {} open, {} missed, {} phantoms, {} wrong, {} unsound{}", t.rays,
-               t.hits, t.of(Verdict::same), t.of(Verdict::tie), t.open, t.of(Verdict::missed), t.of(Verdict::phantom),
-               t.of(Verdict::wrong), t.unsound, t.first.empty() ? "" : "; " + t.first);
 }
 
 Oracle::Oracle(std::span<const Triangle> triangles) : triangles_(triangles.begin(), triangles.end()) {
@@ -298,29 +286,6 @@ Judgement Oracle::judge(const Ray& ray, const Hit& hit, bool strict) const {
     judgement.verdict = verdict(s, hit, judgement.sound);
     if (judgement.verdict != Verdict::same && judgement.verdict != Verdict::tie) judgement.open = !strict && isOpen(s);
     return judgement;
-}
-
-Tally Oracle::judge(std::span<const Ray> rays, std::span<const Hit> hits, bool strict) const {
-    Tally tally;
-    for (size_t i = 0; i < rays.size(); ++i) {
-        const Seen s = seen(rays[i]);
-        bool sound = true;
-        const Verdict got = verdict(s, hits[i], sound);
-        const bool open = !strict && isOpen(s);
-        const bool fails = !open && got != Verdict::same && got != Verdict::tie;
-        ++tally.rays;
-        tally.hits += got == Verdict::missed || (hits[i].primitive != NO_HIT && got != Verdict::phantom);
-        tally.open += open;
-        tally.unsound += !sound;
-        if (!open) ++tally.counts[got];
-        if ((fails || !sound) && tally.first.empty()) {
-            const Hit want = closest(rays[i]);
-            tally.first = fmt::format("ray {} {} finds {} at {:.9g} and should find {} at {:.9g}", i, describe(rays[i]),
-                                      static_cast<int32_t>(hits[i].primitive), hits[i].t,
-                                      static_cast<int32_t>(want.primitive), want.t);
-        }
-    }
-    return tally;
 }
 
 }  // namespace raig::hard

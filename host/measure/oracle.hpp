@@ -6,7 +6,6 @@
 #include "structures/structure.hpp"
 
 #include <array>
-#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,21 +33,6 @@ struct Judgement {
 /// "o (..) d (..) t [..]" and "triangle .. t .. u .. v ..", with all digits.
 std::string describe(const Ray& ray);
 std::string describe(const Hit& hit);
-
-/// Verdicts of many rays. `open` rays have none, see Oracle.
-struct Tally {
-    std::map<Verdict, size_t> counts;
-    size_t rays = 0;
-    size_t hits = 0;     ///< in exact arithmetic
-    size_t open = 0;     ///< rays whose answer is rounding's to decide
-    size_t unsound = 0;  ///< hits found farther from their triangle than rounding explains
-    std::string first;   ///< the first ray whose verdict is missed, phantom or wrong, or whose hit is unsound
-
-    size_t of(Verdict verdict) const;
-    size_t failures() const { return of(Verdict::missed) + of(Verdict::phantom) + of(Verdict::wrong) + unsound; }
-};
-
-std::ostream& operator<<(std::ostream& out, const Tally& tally);
 
 /// Tries every triangle for each ray, in arithmetic of 113 bits or more. Differences of floats are exact there unless 89
 /// binary orders of magnitude apart; where roundings of the products leave a sign open, the value counts as zero, so as on
@@ -84,9 +68,6 @@ public:
 
     /// Judges one hit; `strict` as above.
     Judgement judge(const Ray& ray, const Hit& hit, bool strict) const;
-
-    /// Judges hits[i] of rays[i].
-    Tally judge(std::span<const Ray> rays, std::span<const Hit> hits, bool strict) const;
 
 private:
     struct Vector {

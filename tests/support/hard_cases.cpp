@@ -1,8 +1,8 @@
 #include "support/hard_cases.hpp"
 
-#include "measure/oracle.hpp"
 #include "rays/tracer.hpp"
 #include "support/effort.hpp"
+#include "support/tally.hpp"
 #include "support/variants.hpp"
 
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ std::vector<uint32_t> numbersOf(const std::vector<hard::Case>& cases) {
 void expectBruteForceIsExact(uint32_t number) {
     for (const hard::Scene& scene : hardScenes(number)) {
         const hard::Oracle oracle(scene.triangles);
-        const hard::Tally tally = oracle.judge(scene.rays, bruteForce(scene), scene.exact);
+        const Tally tally = judge(oracle, scene.rays, bruteForce(scene), scene.exact);
         EXPECT_EQ(tally.failures(), 0u) << "case " << number << ", " << scene.name << ": " << tally;
         EXPECT_LE(double(tally.open), scene.mostOpen * double(tally.rays)) << scene.name << ": " << tally;
         std::cout << "case " << number << ", " << scene.name << ": " << tally << '\n';
