@@ -3,11 +3,14 @@
 #include "base/error.hpp"
 
 #include <CLI/CLI.hpp>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <limits>
 #include <string_view>
 
@@ -364,9 +367,15 @@ void checkFolderOf(const std::filesystem::path& file, const std::filesystem::pat
     if (file.empty()) return;
     const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
     std::error_code ignored;
-    if (!std::filesystem::is_directory(folder, ignored) && !comesWith(folder, made))
+    if (!std::filesystem::is_directory(folder, ignored)) {
+        if (comesWith(folder, made)) return;
         throw inputError(file, "cannot be written: there is no folder {}; make it first", folder.string());
+    }
     if (std::filesystem::is_directory(file, ignored)) throw inputError(file, "cannot be written: it is a folder");
+    // Files are replaced, which is for the folder to allow; devices are written to.
+    const bool replaces = !std::filesystem::exists(file, ignored) || std::filesystem::is_regular_file(file, ignored);
+    if (replaces && ::access(folder.c_str(), W_OK | X_OK) != 0)
+        throw inputError(file, "cannot be written: {}", std::strerror(errno));
 }
 
 /// An option that is given and empty is most likely a variable that was not set.
