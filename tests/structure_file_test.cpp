@@ -1,18 +1,15 @@
 // Structures in files: what comes back is what was saved, and whatever else a file holds is refused with one line.
-#include "structures/structure_file.hpp"
-#include "base/error.hpp"
 #include "base/files.hpp"
-#include "rays/tracer.hpp"
 #include "support/effort.hpp"
 #include "support/soups.hpp"
+#include "support/structure_files.hpp"
+#include "support/tracing.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cstring>
-#include <fstream>
 
 namespace raig {
 namespace {
@@ -45,36 +42,14 @@ std::vector<Variant> variants() {
     return result;
 }
 
-class StructureFiles : public testing::Test {
+class StructureFiles : public test::OfStructureFiles {
 protected:
-    void SetUp() override { fs::create_directories(folder_); }
-    void TearDown() override { fs::remove_all(folder_); }
-
     /// The bytes of a file of `structure`, a bvh unless told.
     Bytes saved(const std::vector<Triangle>& triangles, std::string_view type = "bvh", const BuildParams& params = {}) {
         saveStructure(file_, structureType(type).build(triangles, params), params, triangles);
         return readFile(file_);
     }
-    void write(const Bytes& bytes) const {
-        std::ofstream(file_, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
-    }
-    /// Why the file as it lies there is refused: one line that names it and says what to do. Empty if it is not.
-    std::string refusal(const std::vector<Triangle>& triangles) const {
-        try {
-            StructureFile(file_).read(triangles);
-        } catch (const Error& error) {
-            const std::string text = error.what();
-            EXPECT_EQ(error.exitCode, ExitCode::badInput) << text;
-            EXPECT_TRUE(text.starts_with(file_.string() + ": ")) << text;
-            EXPECT_NE(text.find("--save-structure"), std::string::npos) << text;
-            EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-            return text;
-        }
-        return "";
-    }
 
-    const fs::path folder_ = fs::path(testing::TempDir()) / ("structure_file_test." + std::to_string(::getpid()));
-    const fs::path file_ = folder_ / "structure";
     const std::vector<Triangle> small_ = test::sphere(3, 1.0, dvec3(0.5, 2, 1), 0.1);
     const std::vector<Primitive> spheres_ = {
         small_[3], Primitive::sphere(vec3(0.5f, 2, 1), 0.5f),        Primitive::sphere(vec3(0.75f, 2.25f, 1), 0.125f),
@@ -85,16 +60,6 @@ class EveryStructureFile : public StructureFiles, public testing::WithParamInter
 protected:
     void expectRefusedOrGood(const std::vector<Primitive>& primitives);
 };
-
-std::vector<Hit> hitsOf(const Structure& structure, const std::vector<Ray>& rays) {
-    std::vector<Hit> hits(rays.size());
-    makeCpuTracer(structure)->trace(rays, hits, Query::closest);
-    return hits;
-}
-
-bool sameHits(const std::vector<Hit>& a, const std::vector<Hit>& b) {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Hit)) == 0);
-}
 
 TEST_P(EveryStructureFile, GivesBackWhatWasSaved) {
     for (const test::Soup& soup : test::soups()) {
@@ -113,7 +78,7 @@ TEST_P(EveryStructureFile, GivesBackWhatWasSaved) {
         EXPECT_EQ(std::tie(a.nodes, a.leaves, a.depth, a.references, a.bytes, a.sahCost, a.seconds),
                   std::tie(b.nodes, b.leaves, b.depth, b.references, b.bytes, b.sahCost, b.seconds));
         const std::vector<Ray> rays = test::rays(soup.triangles, /* seed= */ 3, /* count= */ 500);
-        EXPECT_TRUE(sameHits(hitsOf(loaded, rays), hitsOf(built, rays))) << soup.name;
+        EXPECT_TRUE(test::sameBits(test::traceOnCpu(loaded, rays), test::traceOnCpu(built, rays))) << soup.name;
     }
 }
 
@@ -129,7 +94,7 @@ TEST_P(EveryStructureFile, WithSpheresIsRefusedOrGoodHoweverItWasForged) {
 void EveryStructureFile::expectRefusedOrGood(const std::vector<Primitive>& primitives) {
     const Structure built = GetParam().build(primitives);
     const std::vector<Ray> rays = test::rays(primitives, /* seed= */ 4, test::affordable(300));
-    const std::vector<Hit> want = hitsOf(built, rays);
+    const std::vector<Hit> want = test::traceOnCpu(built, rays);
     size_t refused = 0, accepted = 0;
     const auto tryOut = [&](const Structure& forged, const std::string& what) {
         saveStructure(file_, forged, {}, primitives);
@@ -138,7 +103,7 @@ void EveryStructureFile::expectRefusedOrGood(const std::vector<Primitive>& primi
             return;
         }
         ++accepted;
-        EXPECT_TRUE(sameHits(hitsOf(StructureFile(file_).read(primitives), rays), want)) << what;
+        EXPECT_TRUE(test::sameBits(test::traceOnCpu(StructureFile(file_).read(primitives), rays), want)) << what;
     };
     const auto forgeBytes = [&](auto bytesOf, const char* what) {
         Structure forged = built;
@@ -215,7 +180,7 @@ TEST_F(StructureFiles, AreRefusedOverAnotherScene) {
     other = small_;
     other.pop_back();
     EXPECT_NE(refusal(other).find("24 triangles and spheres; this one has 23"), std::string::npos) << refusal(other);
-    EXPECT_NE(refusal({}).find("another scene"), std::string::npos);
+    EXPECT_NE(refusal(std::vector<Triangle>{}).find("another scene"), std::string::npos);
 }
 
 TEST_F(StructureFiles, SayWhatIsWrongWithThem) {

@@ -1,24 +1,20 @@
 // Structures of two levels in files: what comes back is what was saved, and whatever else a file holds is refused.
-#include "structures/structure_file.hpp"
-
-#include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/random.hpp"
 #include "rays/lights.hpp"
 #include "rays/placed_scene.hpp"
 #include "rays/primitives.hpp"
-#include "rays/tracer.hpp"
 #include "support/effort.hpp"
 #include "support/groves.hpp"
 #include "support/soups.hpp"
+#include "support/structure_files.hpp"
+#include "support/tracing.hpp"
 #include "support/variants.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 #include <xxhash.h>
 
 #include <cstring>
-#include <fstream>
 #include <functional>
 
 namespace raig {
@@ -54,22 +50,12 @@ Scene clearing() {
     return scene;
 }
 
-std::vector<Hit> hitsOf(const Structure& structure, const std::vector<Ray>& rays) {
-    std::vector<Hit> hits(rays.size());
-    makeCpuTracer(structure)->trace(rays, hits, Query::closest);
-    return hits;
-}
-
-bool sameHits(const std::vector<Hit>& a, const std::vector<Hit>& b) {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Hit)) == 0);
-}
-
 /// A scene as it is kept, with rays and what they hit where it is written out.
 struct Case {
     Case(const Scene& scene, size_t count)
         : geometry(gatherInstances(scene)), placed(placedScene(geometry, {})), written(primitivesOf(flatten(scene))) {
         if (!written.empty()) rays = test::rays(written, /* seed= */ 3, count);
-        truth = hitsOf(structureType("brute").build(written, {}), rays);
+        truth = test::traceOnCpu(structureType("brute").build(written, {}), rays);
     }
     Geometry geometry;
     PlacedScene placed;
@@ -78,11 +64,8 @@ struct Case {
     std::vector<Hit> truth;
 };
 
-class TwoLevelFiles : public testing::Test {
+class TwoLevelFiles : public test::OfStructureFiles {
 protected:
-    void SetUp() override { fs::create_directories(folder_); }
-    void TearDown() override { fs::remove_all(folder_); }
-
     /// The bytes of a file of the clearing's bvh.
     Bytes saved() const {
         const Geometry geometry = gatherInstances(scene_);
@@ -90,31 +73,12 @@ protected:
         saveStructure(file_, buildTwoLevels(placed, structureType("bvh"), {.walk = "trail"}), {.walk = "trail"}, placed);
         return readFile(file_);
     }
-    void write(const Bytes& bytes) const {
-        std::ofstream(file_, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
-    }
-    /// Why the file as it lies there is refused: one line that names it and says what to do. Empty if it is not.
-    std::string refusal(const PlacedScene& scene) const {
-        try {
-            StructureFile(file_).read(scene);
-        } catch (const Error& error) {
-            const std::string text = error.what();
-            EXPECT_EQ(error.exitCode, ExitCode::badInput) << text;
-            EXPECT_TRUE(text.starts_with(file_.string() + ": ")) << text;
-            EXPECT_NE(text.find("--save-structure"), std::string::npos) << text;
-            EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-            return text;
-        }
-        return "";
-    }
     std::string refusalOver(const Scene& scene, const KeepRule& rule = {}) const {
         const Geometry geometry = gatherInstances(scene);
         return refusal(placedScene(geometry, rule));
     }
     void expectRefusedOrGood(const StructureType& type);
 
-    const fs::path folder_ = fs::path(testing::TempDir()) / ("two_level_file_test." + std::to_string(::getpid()));
-    const fs::path file_ = folder_ / "structure";
     const Scene scene_ = clearing();
 };
 
@@ -144,7 +108,7 @@ TEST_F(TwoLevelFiles, GiveBackWhatWasSaved) {
             const StructureStatistics &a = loaded.statistics, &b = built.statistics;
             EXPECT_EQ(std::tie(a.nodes, a.leaves, a.depth, a.references, a.bytes, a.sahCost, a.seconds),
                       std::tie(b.nodes, b.leaves, b.depth, b.references, b.bytes, b.sahCost, b.seconds));
-            EXPECT_TRUE(sameHits(hitsOf(loaded, c.rays), c.truth)) << grove.name << ' ' << variant;
+            EXPECT_TRUE(test::sameBits(test::traceOnCpu(loaded, c.rays), c.truth)) << grove.name << ' ' << variant;
             kept += loaded.instances;
         }
     }
@@ -166,7 +130,8 @@ void TwoLevelFiles::expectRefusedOrGood(const StructureType& type) {
             return;
         }
         ++accepted;
-        ASSERT_TRUE(sameHits(hitsOf(StructureFile(file_).read(c.placed), c.rays), c.truth)) << type.name << ' ' << what;
+        const Structure read = StructureFile(file_).read(c.placed);
+        ASSERT_TRUE(test::sameBits(test::traceOnCpu(read, c.rays), c.truth)) << type.name << ' ' << what;
     };
     const auto piecesOf = [](Structure& s) {
         return std::array{std::as_writable_bytes(std::span(s.nodes)), std::as_writable_bytes(std::span(s.triangles)),

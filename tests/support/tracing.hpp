@@ -16,6 +16,10 @@ inline bool sameBits(const Hit& a, const Hit& b) {
     return std::memcmp(&a, &b, sizeof(Hit)) == 0;
 }
 
+inline bool sameBits(const std::vector<Hit>& a, const std::vector<Hit>& b) {
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Hit)) == 0);
+}
+
 /// A hit for each ray, on the CPU.
 inline std::vector<Hit> traceOnCpu(const Structure& structure, const std::vector<Ray>& rays, Query query = Query::closest) {
     std::vector<Hit> hits(rays.size());
