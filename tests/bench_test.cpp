@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <regex>
 
 namespace raig {
 namespace {
@@ -125,6 +126,10 @@ TEST(BenchCommand, TellsSpeedsOfAllSetsAsJson) {
     ASSERT_EQ(result.exitCode, 0) << result.errors;
     const nlohmann::json json = nlohmann::json::parse(result.output);
     ASSERT_EQ(json["results"].size(), 4u) << json;
+    EXPECT_EQ(json.at("device"), "cpu");
+    EXPECT_TRUE(json.at("driver").is_null());
+    EXPECT_EQ(json.at("arithmetic").at("ieee"), true);
+    EXPECT_TRUE(std::regex_match(json.at("commit").get<std::string>(), std::regex("unknown|[0-9a-f]{40,64}(-dirty)?")));
     for (const auto& one : json["results"]) {
         EXPECT_GT(one["mrays_per_s"]["median"], 0.0);
         EXPECT_GT(one["counters"]["node_fetches"], 0);

@@ -76,6 +76,14 @@ TEST_F(Run, BuildsWhatChangedAndOnlyThen) {
     EXPECT_EQ(run({}).errors, "") << "the program is not built for the sake of a test";
 }
 
+// The program names the commit that it is built of.
+TEST_F(Run, BuildsOnceAfterACommit) {
+    fs::create_directories(tree / ".git/logs");
+    write(".git/logs/HEAD", "");
+    EXPECT_NE(run({}).errors.find("run: building"), std::string::npos);
+    EXPECT_EQ(run({}).errors, "");
+}
+
 TEST_F(Run, ShowsWhyABuildFailedAndBuildsAgainOnceMended) {
     write("host/main.c", "int broken(\n");
     for (int i = 0; i < 2; ++i) {

@@ -96,9 +96,13 @@ int bench(const Options& options) {
     for (const StructureType& type : structureTypes())
         if (options.accel == type.name || (options.accel == "all" && type.name != "brute"))
             settings.structures.emplace_back(type.name);
+    const MeasuredArithmetic arithmetic = info ? measureArithmetic(*info) : MeasuredArithmetic{measureHostArithmetic(), ""};
     Json json = {{"version", RAIG_VERSION},
+                 {"commit", commitId()},
                  {"machine", {{"processor", processorName()}, {"threads", threadCount()}}},
                  {"device", deviceName},
+                 {"driver", info ? Json(info->driver) : Json(nullptr)},
+                 {"arithmetic", toJson(arithmetic)},
                  {"results", Json::array()},
                  {"builds", Json::array()}};
     for (const std::filesystem::path& file : options.inputs) {

@@ -8,11 +8,16 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace raig {
 
 /// As the system calls it; "unknown" where it does not say.
 std::string processorName();
+
+/// The commit that the program was built of: its full hash, with "-dirty" behind it where sources were not as committed;
+/// "unknown" where git could not tell.
+std::string_view commitId();
 
 /// How many threads the program's work is shared by.
 size_t threadCount();
