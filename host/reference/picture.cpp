@@ -38,9 +38,12 @@ Radiance shadePixel(const World& world, const PictureOptions& options, uint32_t 
         const Radiance radiance = traceRay(world, ray, options.bounds, id);
         mean.value += radiance.value;
         mean.discarded += radiance.discarded;
+        mean.brightest = std::max(mean.brightest, radiance.brightest);
+        mean.depth += radiance.depth;
     }
     mean.value /= options.samples;
     mean.discarded /= options.samples;
+    mean.depth /= options.samples;
     return mean;
 }
 
@@ -64,7 +67,7 @@ Picture render(const World& world, const PictureOptions& options, const std::fun
     RAIG_CHECK(options.width > 0 && options.height > 0 && options.samples > 0 && options.samples <= 65536);
     const size_t count = size_t{options.width} * options.height;
     Picture picture{options.width, options.height, std::vector<dvec3>(count), std::vector<double>(count),
-                    std::vector<double>(count)};
+                    std::vector<double>(count), std::vector<double>(count), std::vector<double>(count)};
     std::mutex mutex;
     size_t done = 0;
     parallelFor(count, 64, [&](size_t begin, size_t end) {
@@ -73,6 +76,8 @@ Picture render(const World& world, const PictureOptions& options, const std::fun
             const Radiance nominal = shadePixel(world, options, px, py, std::nullopt);
             picture.radiance[i] = nominal.value;
             picture.discarded[i] = nominal.discarded;
+            picture.brightest[i] = nominal.brightest;
+            picture.depth[i] = nominal.depth;
             for (uint32_t variant = 0; variant < options.roundings; ++variant) {
                 const dvec3 moved = glm::abs(shadePixel(world, options, px, py, variant).value - nominal.value);
                 picture.sensitivity[i] = std::max({picture.sensitivity[i], moved.x, moved.y, moved.z});

@@ -23,6 +23,8 @@ struct Picture {
     std::vector<dvec3> radiance;
     std::vector<double> discarded;    ///< the weight of the rays not followed, a pixel
     std::vector<double> sensitivity;  ///< the largest change of a channel under the roundings
+    std::vector<double> brightest;    ///< the largest radiance along a pixel's mirrored and transmitted rays
+    std::vector<double> depth;        ///< of the deepest ray that was followed, the mean over a pixel's samples
 };
 
 /// The ray of a sample: through the pixel's centre if it is the only one, else through a stratified random place in it.

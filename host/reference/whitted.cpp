@@ -96,7 +96,8 @@ public:
         return radiance;
     }
 
-    double discarded() const { return discarded_; }
+    /// Of a ray that has been traced with a weight of 1.
+    Radiance found(const dvec3& value) const { return {value, discarded_, brightest_, double(depth_)}; }
 
 private:
     dvec3 follow(const SurfacePoint& p, const dvec3& direction, const dvec3& weight, const dvec3& side, uint32_t depth,
@@ -109,7 +110,11 @@ private:
         Ray child;
         child.origin = leave(p, side, id_, 4 * key);
         child.direction = id_.rounding.direction(direction, 4 * key + 1);
-        return trace(child, weight, depth + 1, key, leaving);
+        depth_ = std::max(depth_, depth + 1);
+        const dvec3 weighted = trace(child, weight, depth + 1, key, leaving);
+        for (int channel = 0; channel < 3; ++channel)
+            if (weight[channel] > 0.0) brightest_ = std::max(brightest_, weighted[channel] / weight[channel]);
+        return weighted;
     }
 
     /// The light that a white diffuse surface would send back.
@@ -151,16 +156,15 @@ private:
     const Bounds& bounds_;
     const SampleId& id_;
     double discarded_ = 0.0;
+    double brightest_ = 0.0;
+    uint32_t depth_ = 0;
 };
 
 }  // namespace
 
 Radiance traceRay(const World& world, const Ray& ray, const Bounds& bounds, const SampleId& id) {
     Recursion recursion(world, bounds, id);
-    Radiance result;
-    result.value = recursion.trace(ray, dvec3(1.0), 0, 0, noTriangle);
-    result.discarded = recursion.discarded();
-    return result;
+    return recursion.found(recursion.trace(ray, dvec3(1.0), 0, 0, noTriangle));
 }
 
 }  // namespace raig::reference

@@ -23,6 +23,8 @@ struct SampleId {
 struct Radiance {
     dvec3 value{0.0};
     double discarded = 0.0;  ///< the weight of the rays not followed, summed: times the brightest radiance, bounds the error
+    double brightest = 0.0;  ///< the largest radiance, in any channel, that arrived along a mirrored or transmitted ray
+    double depth = 0.0;      ///< of the deepest ray that was followed
 };
 
 /// The radiance along `ray` (unit direction), by Whitted's recursion with one emitter sample a shading point:
