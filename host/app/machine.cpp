@@ -4,7 +4,6 @@
 #include "rays/kernels.hpp"
 
 #include <fmt/ranges.h>
-#include <tbb/global_control.h>
 
 #include <fstream>
 
@@ -55,8 +54,6 @@ std::string processorName() {
         if (line.starts_with("model name") && line.find(": ") != line.npos) return line.substr(line.find(": ") + 2);
     return "unknown";
 }
-
-size_t threadCount() { return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism); }
 
 MeasuredArithmetic measureArithmetic(Device& device) {
     try {

@@ -1,6 +1,7 @@
 /// What is told of the machine beside what was measured on it.
 #pragma once
 
+#include "base/threads.hpp"
 #include "device/arithmetic.hpp"
 #include "device/device.hpp"
 
@@ -18,9 +19,6 @@ std::string processorName();
 /// The commit that the program was built of: its full hash, with "-dirty" behind it where sources were not as committed;
 /// "unknown" where git could not tell.
 std::string_view commitId();
-
-/// How many threads the program's work is shared by.
-size_t threadCount();
 
 struct MeasuredArithmetic {
     std::optional<Arithmetic> arithmetic;

@@ -1,5 +1,6 @@
 #include "device/device.hpp"
 
+#include "base/threads.hpp"
 #include "device/cache.hpp"
 #include "device/vulkan.hpp"
 
@@ -103,7 +104,12 @@ Device::Device(const DeviceInfo& info, const DeviceOptions& options) : state_(st
     state.loadsTexel = options.loadsTexel.value_or(physical.info.prefersTexel);
     vkGetPhysicalDeviceMemoryProperties(physical.handle, &state.memory);
     state.staged = options.stagesTransfers || !canMapAll(physical.info, state.memory);
-    openQueue(state, physical.handle);
+    {
+        // SwiftShader starts its threads with the device, and can be told how many only by a file in the current folder.
+        std::optional<FewerProcessors> fewer;
+        if (physical.info.driver.starts_with("SwiftShader")) fewer.emplace();
+        openQueue(state, physical.handle);
+    }
     state.cacheKey = physical.cacheKey;
     if (options.diskCache) state.cacheFile = vk::cacheFile(physical.cacheKey);
     vk::openCache(state);
