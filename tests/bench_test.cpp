@@ -1,16 +1,29 @@
-// The standard sets of rays, against an independent computation of their definition, and the statistics of `raig bench`.
-#include "measure/bench.hpp"
+// What `raig bench` measures with: the standard sets of rays, against an independent computation of their definition; the
+// time of structures and of Embree over them; threads.
+#include "base/threads.hpp"
+#include "measure/embree_peer.hpp"
 #include "measure/ray_sets.hpp"
-#include "support/program.hpp"
+#include "measure/timing.hpp"
+#include "rays/primitives.hpp"
+#include "scene/import.hpp"
+#include "support/standard_rays.hpp"
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
+#include <tbb/global_control.h>
 
+#include <sched.h>
+
+#include <algorithm>
 #include <cmath>
-#include <regex>
+#include <cstring>
+#include <filesystem>
+#include <future>
+#include <numbers>
 
 namespace raig {
 namespace {
+
+using namespace test;
 
 /// A square 2 x 2 in the plane y = 0, and one of 1 x 1 at y = 1 over its middle.
 Geometry twoSquares() {
@@ -26,20 +39,32 @@ Geometry twoSquares() {
     return g;
 }
 
-RaySets setsOf(const Geometry& g, uint32_t side) {
-    std::vector<Triangle> triangles;
-    for (const uvec3& t : g.triangles) triangles.push_back({g.positions[t.x], g.positions[t.y], g.positions[t.z]});
-    const Structure structure = structureType("brute").build(triangles, {});
-    return makeRaySets(g, g.bounds, measuringCamera(g, g.bounds), side, *makeCpuTracer(structure));
+RaySets setsOf(const Geometry& g, const Box& framed, uint32_t side) {
+    const Structure structure = structureType("bvh").build(primitivesOf(g), {});
+    return makeRaySets(g, framed, measuringCamera(g, framed), side, *makeCpuTracer(structure));
 }
 
-/// Where a ray meets the squares: the height of the plane, or nothing.
-std::optional<double> heightHit(const dvec3& o, const dvec3& d) {
-    for (const auto& [half, y] : {std::pair(0.5, 1.0), std::pair(1.0, 0.0)}) {
-        const dvec3 p = o + d * ((y - o.y) / d.y);
-        if (std::abs(p.x) <= half && std::abs(p.z) <= half) return y;
-    }
-    return std::nullopt;
+/// A closed surface with bumps, away from the origin, and a vertex that no triangle names.
+Geometry bumps() {
+    constexpr uint32_t across = 40, along = 20;
+    Geometry g;
+    for (uint32_t j = 0; j <= along; ++j)
+        for (uint32_t i = 0; i < across; ++i) {
+            const double a = 2.0 * i * std::numbers::pi / across, b = j * std::numbers::pi / along;
+            const double radius = 2.0 + 0.3 * std::sin(3.0 * a + 1.0) * std::sin(b) + 0.2 * std::cos(5.0 * b);
+            g.positions.push_back(vec3(37.3 + radius * std::sin(b) * std::cos(a), -12.9 + 0.7 * radius * std::cos(b),
+                                       5.1 + 1.3 * radius * std::sin(b) * std::sin(a)));
+        }
+    for (uint32_t j = 0; j < along; ++j)
+        for (uint32_t i = 0; i < across; ++i) {
+            const uint32_t here = j * across + i, beside = j * across + (i + 1) % across;
+            g.triangles.push_back({here, beside, here + across});
+            g.triangles.push_back({beside, beside + across, here + across});
+        }
+    for (const vec3& p : g.positions) g.bounds.grow(p);
+    g.firstTriangle = {0, static_cast<uint32_t>(g.triangles.size())};
+    g.positions.push_back(g.bounds.hi - vec3(0.01f));
+    return g;
 }
 
 TEST(RaySets, SeeEveryVertexInTheMiddleOfThePicture) {
@@ -54,56 +79,73 @@ TEST(RaySets, SeeEveryVertexInTheMiddleOfThePicture) {
     EXPECT_NEAR(most, 0.95, 1e-12);
 }
 
-// Pixel by pixel, from the definition: tiles of 8 x 8 row by row, a Morton curve in each.
+/// How many numbers are as they should be, and how many of them to the last bit: all are rounded once from double
+/// precision, which errs by far less than floats can tell, but may so come to lie on the other side of a tie.
+struct Agreement {
+    size_t all = 0, same = 0;
+
+    bool add(float got, Real exact, Real scale) {
+        const Real slack = std::ldexp(scale, -40);
+        ++all;
+        same += got == static_cast<float>(exact);
+        return static_cast<float>(exact - slack) <= got && got <= static_cast<float>(exact + slack);
+    }
+};
+
+void expectRays(const char* name, const std::vector<Ray>& got, const std::vector<ExactRay>& exact, Agreement& agreement) {
+    ASSERT_EQ(got.size(), exact.size()) << name;
+    for (size_t k = 0; k < got.size(); ++k) {
+        Real scale = 0;
+        for (const Real& x : exact[k].origin) scale = std::max(scale, std::abs(x));
+        for (int axis = 0; axis < 3; ++axis) {
+            ASSERT_TRUE(agreement.add(got[k].origin[axis], exact[k].origin[axis], scale)) << name << ' ' << k;
+            ASSERT_TRUE(agreement.add(got[k].direction[axis], exact[k].direction[axis], 1)) << name << ' ' << k;
+        }
+        ASSERT_TRUE(agreement.add(got[k].tMax, exact[k].tMax, exact[k].tMax)) << name << ' ' << k;
+        ASSERT_EQ(got[k].tMin, 0.0f) << name << ' ' << k;
+    }
+}
+
+void expectStandardSets(const Geometry& g, const Box& framed, uint32_t side) {
+    std::vector<Corners> triangles;
+    const auto exactly = [](const vec3& p) { return Vector{p.x, p.y, p.z}; };
+    for (const uvec3& t : g.triangles)
+        triangles.push_back({exactly(g.positions[t.x]), exactly(g.positions[t.y]), exactly(g.positions[t.z])});
+    const ExactSets exact = exactSets(triangles, exactly(framed.lo), exactly(framed.hi), side);
+    const RaySets got = setsOf(g, framed, side);
+    Agreement agreement;
+    expectRays("primary", got.primary, exact.primary, agreement);
+    expectRays("shadow", got.shadow, exact.shadow, agreement);
+    expectRays("diffuse", got.diffuse, exact.diffuse, agreement);
+    expectRays("specular", got.specular, exact.specular, agreement);
+    EXPECT_GT(agreement.same * 10'000, agreement.all * 9'999) << agreement.same << " of " << agreement.all;
+    EXPECT_GT(exact.frontal, side * side / 20);
+    EXPECT_GT(exact.averted, 0u) << "both cases of the basis are tried";
+    EXPECT_GT(exact.diffuse.size(), exact.shadow.size());
+}
+
 TEST(RaySets, HoldTheRaysOfTheirDefinition) {
-    constexpr uint32_t side = 16;
-    const Geometry g = twoSquares();
-    const RaySets sets = setsOf(g, side);
-    ASSERT_EQ(sets.primary.size(), side * side);
-    const double l = std::sqrt(0.25 + 0.1225 + 1.0);
-    const dvec3 back(0.5 / l, 0.35 / l, 1.0 / l), f = -back;
-    const double across = std::sqrt(f.x * f.x + f.z * f.z);
-    const dvec3 r(-f.z / across, 0.0, f.x / across), u(r.y * f.z - r.z * f.y, r.z * f.x - r.x * f.z, r.x * f.y - r.y * f.x);
-    const dvec3 eye = measuringCamera(g, g.bounds).eye, centre(0.0, 0.5, 0.0);
-    const double tangent = std::sqrt(2.0) - 1.0;  // of 22.5 degrees
-    const dvec3 light = centre + 3.0 * 1.5 * dvec3(-0.6, 1.0, 0.8) / std::sqrt(2.0);
-    size_t k = 0, second = 0, shadow = 0;
-    for (uint32_t ty = 0; ty < side; ty += 8)
-        for (uint32_t tx = 0; tx < side; tx += 8)
-            for (uint32_t m = 0; m < 64; ++m, ++k) {
-                const uint32_t x = tx + (m & 1) + (m >> 2 & 1) * 2 + (m >> 4 & 1) * 4;
-                const uint32_t y = ty + (m >> 1 & 1) + (m >> 3 & 1) * 2 + (m >> 5 & 1) * 4;
-                dvec3 d = f + tangent * ((2.0 * x + 1.0) / side - 1.0) * r + tangent * (1.0 - (2.0 * y + 1.0) / side) * u;
-                d /= std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-                for (int axis = 0; axis < 3; ++axis) {
-                    EXPECT_FLOAT_EQ(sets.primary[k].origin[axis], float(eye[axis]));
-                    EXPECT_NEAR(sets.primary[k].direction[axis], d[axis], 1e-7) << k;
-                }
-                const std::optional<double> height = heightHit(eye, d);
-                if (!height) continue;
-                ASSERT_LT(second, sets.specular.size());
-                const double t = (*height - eye.y) / d.y;
-                const dvec3 start = eye + t * d + dvec3(0.0, 2e-5 * t, 0.0);
-                EXPECT_NEAR(sets.specular[second].origin.y, start.y, 1e-6);
-                EXPECT_NEAR(sets.specular[second].direction.y, -d.y, 1e-6);
-                EXPECT_NEAR(sets.specular[second].direction.x, d.x, 1e-6);
-                EXPECT_GE(sets.diffuse[second].direction.y, 0.0f);
-                EXPECT_NEAR(glm::length(sets.diffuse[second].direction), 1.0f, 1e-6f);
-                const dvec3 toLight = light - start;  // above both squares
-                EXPECT_NEAR(sets.shadow[shadow].tMax, 0.9999 * glm::length(toLight), 1e-5);
-                EXPECT_NEAR(sets.shadow[shadow].direction.x, toLight.x / glm::length(toLight), 1e-6);
-                ++second;
-                ++shadow;
-            }
-    EXPECT_EQ(second, sets.diffuse.size());
-    EXPECT_EQ(second, sets.specular.size());
-    EXPECT_EQ(shadow, sets.shadow.size());
-    EXPECT_GT(second, side * side / 5);
+    const Geometry g = bumps();
+    expectStandardSets(g, g.bounds, 48);
+}
+
+TEST(RaySets, FrameAPartOfTheScene) {
+    const Geometry g = bumps();
+    Box part = g.bounds;
+    part.lo.x = 0.5f * (part.lo.x + part.hi.x);
+    expectStandardSets(g, part, 32);
+}
+
+TEST(RaySets, HoldThoseOfARealMesh) {
+    const std::filesystem::path bunny = std::filesystem::path(RAIG_SOURCE_DIR) / "../shared/scenes/meshes/bunny.ply";
+    if (!std::filesystem::exists(bunny)) GTEST_SKIP() << "the real scenes (../shared/scenes) are not here";
+    const Geometry g = flatten(importScene(bunny));
+    expectStandardSets(g, g.bounds, 16);
 }
 
 // Of a cosine-weighted direction, the mean of the cosine is 2/3 and its variance 1/18.
 TEST(RaySets, LeaveDiffuseSurfacesByTheCosine) {
-    const RaySets sets = setsOf(twoSquares(), 128);
+    const RaySets sets = setsOf(twoSquares(), twoSquares().bounds, 128);
     double sum = 0.0;
     for (const Ray& ray : sets.diffuse) sum += ray.direction.y;
     const auto count = static_cast<double>(sets.diffuse.size());
@@ -120,30 +162,78 @@ TEST(Quartiles, LieBetweenValues) {
     EXPECT_EQ(quartilesOf({7.0}).q3, 7.0);
 }
 
-TEST(BenchCommand, TellsSpeedsOfAllSetsAsJson) {
-    const ProgramResult result = runProgram(RAIG_PROGRAM, {"bench", RAIG_SOURCE_DIR "/assets/cornell_box.gltf", "--side",
-                                                           "64", "--repeat", "2", "--device", "cpu", "--json"});
-    ASSERT_EQ(result.exitCode, 0) << result.errors;
-    const nlohmann::json json = nlohmann::json::parse(result.output);
-    ASSERT_EQ(json["results"].size(), 4u) << json;
-    EXPECT_EQ(json.at("device"), "cpu");
-    EXPECT_TRUE(json.at("driver").is_null());
-    EXPECT_EQ(json.at("arithmetic").at("ieee"), true);
-    EXPECT_TRUE(std::regex_match(json.at("commit").get<std::string>(), std::regex("unknown|[0-9a-f]{40,64}(-dirty)?")));
-    for (const auto& one : json["results"]) {
-        EXPECT_GT(one["mrays_per_s"]["median"], 0.0);
-        EXPECT_GT(one["counters"]["node_fetches"], 0);
-        EXPECT_EQ(one["counters"]["box_tests"], one["counters"]["node_fetches"]) << "a box a node";
-        if (one["rays"] == "primary") {  // others may pass all leaves by
-            EXPECT_GT(one["counters"]["primitive_tests"], 0);
-        }
-        EXPECT_EQ(one["counters"]["link_reads"], 0);
-        if (!one["hits_embree"].is_null()) {
-            EXPECT_GE(one["hits_embree"], 0.9 * one["hits"].get<double>());
+TEST(ResidentRays, HitWhatTheTracerDoesWhereverTheyAre) {
+    const Geometry g = bumps();
+    const Structure structure = structureType("bvh").build(primitivesOf(g), {});
+    const std::unique_ptr<Tracer> cpu = makeCpuTracer(structure);
+    const RaySets sets = makeRaySets(g, g.bounds, measuringCamera(g, g.bounds), 16, *cpu);
+    std::vector<Hit> hits(sets.primary.size());
+    const WalkCounters counters = cpu->trace(sets.primary, hits, Query::closest).counters;
+    const auto isSame = [&](const std::vector<Hit>& other) {
+        return other.size() == hits.size() && std::memcmp(other.data(), hits.data(), hits.size() * sizeof(Hit)) == 0;
+    };
+    ResidentRays onCpu(*cpu, sets.primary, Query::closest);
+    const TraceReport report = onCpu.trace();
+    EXPECT_GT(report.seconds, 0.0);
+    EXPECT_EQ(report.counters.nodeFetches, counters.nodeFetches);
+    EXPECT_TRUE(isSame(onCpu.hits()));
+    for (const DeviceInfo& info : listDevices()) {
+        Device device(info);
+        const std::unique_ptr<DeviceTracer> tracer = makeDeviceTracer(device, structure);
+        ResidentRays inOne(*tracer, device, sets.primary, Query::closest);
+        ResidentRays inThree(*tracer, device, sets.primary, Query::closest, /* batch= */ 100);
+        for (ResidentRays* const rays : {&inOne, &inThree}) {
+            const TraceReport traced = rays->trace();
+            EXPECT_GT(traced.seconds, 0.0);
+            EXPECT_EQ(traced.deviceSeconds > 0.0, info.features.timestamps) << info.name;
+            EXPECT_LE(traced.deviceSeconds, traced.seconds) << info.name;
+            EXPECT_TRUE(isSame(rays->hits())) << info.name;
         }
     }
-    ASSERT_EQ(json["builds"].size(), 1u);
-    EXPECT_GT(json["builds"][0]["bytes"], 0);
+}
+
+TEST(Embree, FindsTheSameHoweverItIsAsked) {
+    const Geometry g = bumps();
+    const std::unique_ptr<EmbreePeer> embree = EmbreePeer::make(g), robust = EmbreePeer::make(g, true);
+    ASSERT_EQ(embree != nullptr, embreeVersion().has_value());
+    if (!embree) GTEST_SKIP() << "raig was built without Embree";
+    EXPECT_GT(embree->buildSeconds(), 0.0);
+    std::vector<Ray> rays = setsOf(g, g.bounds, 64).primary;
+    std::rotate(rays.begin(), rays.begin() + rays.size() / 2, rays.end());  // from the middle of the picture on
+    rays.resize(1001);                                                      // the last packet is not full
+    const Structure structure = structureType("brute").build(primitivesOf(g), {});
+    std::vector<Hit> hits(rays.size());
+    makeCpuTracer(structure)->trace(rays, hits, Query::closest);
+    const auto count = static_cast<uint64_t>(
+        std::ranges::count_if(hits, [](const Hit& hit) { return hit.primitive != NO_HIT; }));
+    ASSERT_GT(count, 100u);
+    ASSERT_LT(count, rays.size());
+    using Width = EmbreePeer::Width;
+    for (EmbreePeer* const peer : {embree.get(), robust.get()})
+        for (const Width width : {Width::single, Width::packet8, Width::coherentPacket8})
+            for (const Query query : {Query::closest, Query::any}) {
+                const EmbreePeer::Traced traced = peer->trace(rays, query, width);
+                EXPECT_GT(traced.seconds, 0.0);
+                EXPECT_EQ(traced.hits, count) << int(width) << int(query) << (peer == robust.get());
+            }
+}
+
+TEST(Threads, OfLibrariesAreKeptToFewerProcessors) {
+    const auto processors = [] {
+        cpu_set_t set;
+        return ::sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 0;
+    };
+    const int before = processors();
+    {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+        EXPECT_EQ(threadCount(), 1u);
+        const FewerProcessors fewer;
+        EXPECT_EQ(processors(), 1);
+        EXPECT_EQ(std::async(std::launch::async, processors).get(), 1) << "a thread that is started by it";
+    }
+    EXPECT_EQ(processors(), before);
+    const FewerProcessors asMany;
+    EXPECT_EQ(processors(), before);
 }
 
 }  // namespace

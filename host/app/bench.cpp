@@ -1,18 +1,17 @@
 // `raig bench`: speed over the standard sets of rays, side by side with Embree.
 #include "measure/bench.hpp"
 
+#include "app/bench_baseline.hpp"
+#include "app/bench_document.hpp"
 #include "app/commands.hpp"
-#include "app/counters_json.hpp"
 #include "app/machine.hpp"
 #include "app/progress.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "device/arithmetic.hpp"
+#include "measure/embree_peer.hpp"
 #include "scene/import.hpp"
 
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
+#include <algorithm>
 #include <cstdio>
 
 namespace raig {
@@ -20,111 +19,134 @@ namespace raig {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using Devices = std::vector<std::optional<DeviceInfo>>;
 
-Json toJson(const std::optional<Quartiles>& q) {
-    if (!q) return nullptr;
-    return {{"median", q->median}, {"q1", q->q1}, {"q3", q->q3}};
+/// Nothing means the CPU path. By default the best device and the CPU path, as each is what some people have.
+Devices chooseDevices(const Options& options) {
+    Devices devices;
+    if (options.device == "all")
+        for (const DeviceInfo& info : listDevices()) devices.emplace_back(info);
+    else
+        devices.push_back(chooseDevice(options.device));
+    if ((options.device == "all" || options.device == "auto") && (devices.empty() || devices.back())) devices.emplace_back();
+    return devices;
 }
 
-std::string ratioText(const std::optional<Quartiles>& q) {
-    return q ? fmt::format("{:.3f} ({:.3f}-{:.3f})", q->median, q->q1, q->q3) : "-";
+std::string nameOf(const std::optional<DeviceInfo>& info) { return info ? info->name : "cpu"; }
+
+/// Which peers there are, and why not.
+Json peersOf(const Devices& devices) {
+    Json peers;
+    const std::optional<std::string> embree = embreeVersion();
+    peers["embree"] = {{"measured", embree.has_value()}};
+    if (embree)
+        peers["embree"]["version"] = *embree;
+    else
+        peers["embree"]["why"] = "raig was built without Embree";
+    const bool hasRayQuery =
+        std::ranges::any_of(devices, [](const auto& info) { return info && info->features.rayQuery; });
+    peers["driver"] = {{"measured", false},
+                       {"why", hasRayQuery ? "raig does not use a driver's VK_KHR_ray_query yet"
+                                           : "no device here has VK_KHR_ray_query"}};
+    return peers;
 }
 
-void printReport(const std::string& scene, size_t triangles, const BenchReport& report) {
-    fmt::print("{}, {} triangles\n", scene, triangles);
-    fmt::print("{:10} {:24} {:>10} {:>22} {:>12} {:>9}\n", "structure", "walk", "build s", "of Embree's", "bytes/tri",
-               "SAH");
-    for (const BenchBuild& b : report.builds)
-        fmt::print("{:10} {:24} {:>10.4f} {:>22} {:>12.1f} {:>9.2f}\n", b.structure, b.walk, b.seconds.median,
-                   ratioText(b.toEmbree), double(b.statistics.bytes) / double(std::max<size_t>(triangles, 1)),
-                   b.statistics.sahCost);
-    fmt::print("\n{:10} {:9} {:>9} {:>9} {:>9} {:>22} {:>8} {:>8} {:>8} {:>8}\n", "structure", "rays", "Mrays/s", "Embree",
-               "hits", "of Embree's", "visits", "boxes", "tests", "links");
-    for (const BenchResult& r : report.results) {
-        const auto perRay = [&](uint64_t all) { return static_cast<double>(all) / static_cast<double>(r.count); };
-        fmt::print("{:10} {:9} {:>9.2f} {:>9} {:>9} {:>22} {:>8.1f} {:>8.1f} {:>8.2f} {:>8.2f}\n", r.structure, r.rays,
-                   r.megaRays.median, r.embree ? fmt::format("{:.2f}", r.embree->median) : "-", r.hits,
-                   ratioText(r.toEmbree), perRay(r.counters.nodeFetches), perRay(r.counters.boxTests),
-                   perRay(r.counters.triangleTests), perRay(r.counters.linkReads));
+Json describeRun(const Devices& devices) {
+    Json list = Json::array();
+    for (const auto& info : devices) {
+        const MeasuredArithmetic measured =
+            info ? measureArithmetic(*info) : MeasuredArithmetic{measureHostArithmetic(), ""};
+        list.push_back({{"name", nameOf(info)},
+                        {"driver", info ? Json(info->driver) : Json(nullptr)},
+                        {"arithmetic", toJson(measured)}});
     }
-    fmt::print("\n");
+    return {{"version", RAIG_VERSION},
+            {"commit", commitId()},
+            {"machine", {{"processor", processorName()}, {"threads", threadCount()}}},
+            {"device", list[0]["name"]},
+            {"driver", list[0]["driver"]},
+            {"arithmetic", list[0]["arithmetic"]},
+            {"devices", list},
+            {"peers", peersOf(devices)},
+            {"results", Json::array()},
+            {"builds", Json::array()}};
 }
 
-void addJson(Json& json, const std::string& scene, size_t triangles, const std::string& device, const Options& options,
-             const BenchReport& report) {
-    const std::string given = describeOptions(options.buildParams);
-    for (const BenchResult& r : report.results)
-        json["results"].push_back({{"scene", scene},
-                                   {"triangles", triangles},
-                                   {"structure", r.structure},
-                                   {"options", given},
-                                   {"walk", r.walk},
-                                   {"device", device},
-                                   {"threads", threadCount()},
-                                   {"rays", r.rays},
-                                   {"count", r.count},
-                                   {"hits", r.hits},
-                                   {"hits_embree", r.embree ? Json(r.embreeHits) : Json(nullptr)},
-                                   {"query", r.rays == "shadow" ? "any" : "closest"},
-                                   {"mrays_per_s", toJson(r.megaRays)},
-                                   {"mrays_per_s_embree", toJson(r.embree)},
-                                   {"ratio_to_embree", toJson(r.toEmbree)},
-                                   {"counters", toJson(r.counters)}});
-    for (const BenchBuild& b : report.builds)
-        json["builds"].push_back({{"scene", scene},
-                                  {"structure", b.structure},
-                                  {"options", given},
-                                  {"threads", threadCount()},
-                                  {"seconds", b.seconds.median},
-                                  {"ratio_to_embree", toJson(b.toEmbree)},
-                                  {"bytes", b.statistics.bytes},
-                                  {"bytes_per_triangle",
-                                   double(b.statistics.bytes) / double(std::max<size_t>(triangles, 1))},
-                                  {"sah", b.statistics.sahCost}});
+/// What is odd about the numbers of hits: walks find the same everywhere, and nearly what Embree does.
+void remark(const BenchReport& report) {
+    for (const BenchResult& r : report.results) {
+        if (r.structure == embreeName) continue;
+        const auto other = std::ranges::find_if(report.results, [&](const BenchResult& o) {
+            return o.structure != embreeName && o.rays == r.rays && o.query == r.query;
+        });
+        if (other->hits != r.hits)
+            log::warn("{} of the {} rays hit by {} on {}, and {} by {} on {}: they should be the same", r.hits, r.rays,
+                      r.structure, r.device, other->hits, other->structure, other->device);
+        else if (&*other == &r && r.toEmbree && r.hits != r.toEmbree->hits)
+            log::note("remark: {} of the {} rays hit, {} by Embree, which is not watertight by default", r.hits, r.rays,
+                      r.toEmbree->hits);
+    }
+}
+
+SceneBenches benchScene(const std::filesystem::path& file, const BenchSettings& settings) {
+    const Geometry geometry = flatten(importScene(file));
+    SceneBenches benches{file.filename().string(), geometry.triangles.size(), describeOptions(settings.params), {}};
+    {
+        Progress progress(benches.scene);
+        const auto tell = [&](const std::string& step, double done) { progress.update(step, done); };
+        benches.report = raig::bench(geometry, settings, tell);
+    }
+    remark(benches.report);
+    return benches;
+}
+
+/// Returns the exit code.
+ExitCode compareWith(const BenchBaseline& baseline, const Options& options, Json& document) {
+    const std::vector<BenchChange> changes = baseline.changes(document);
+    const auto slower =
+        std::ranges::count_if(changes, [&](const BenchChange& c) { return c.factor() * options.slower < 1.0; });
+    document["baseline"] = {{"file", options.baseline.string()}, {"commit", baseline.commit()}, {"slower", slower},
+                            {"allowed_factor", options.slower}, {"changes", toJson(changes)}};
+    if (!options.json) {
+        fmt::print("against {}, of commit {}\n", options.baseline.string(), baseline.commit());
+        printChanges(changes, options.slower);
+    }
+    log::note("{} of {} measurements are slower than the baseline's by more than a factor of {}", slower, changes.size(),
+              options.slower);
+    return slower > 0 ? ExitCode::fellShort : ExitCode::done;
 }
 
 }  // namespace
 
 int bench(const Options& options) {
-    const std::optional<DeviceInfo> info = chooseDevice(options.device);
-    const std::string deviceName = info ? info->name : "cpu";
+    std::optional<BenchBaseline> baseline;
+    if (!options.baseline.empty()) {
+        baseline.emplace(options.baseline);
+        std::vector<std::string> scenes;
+        for (const std::filesystem::path& file : options.inputs) scenes.push_back(file.filename().string());
+        baseline->requireSome(scenes);
+    }
     BenchSettings settings{.side = options.side,
                            .repetitions = options.repetitions,
                            .structures = {},
                            .params = options.buildParams,
-                           .device = info ? &*info : nullptr};
+                           .devices = chooseDevices(options),
+                           .bothQueries = options.bothQueries};
     for (const StructureType& type : structureTypes())
         if (options.accel == type.name || (options.accel == "all" && type.name != "brute"))
             settings.structures.emplace_back(type.name);
-    const MeasuredArithmetic arithmetic = info ? measureArithmetic(*info) : MeasuredArithmetic{measureHostArithmetic(), ""};
-    Json json = {{"version", RAIG_VERSION},
-                 {"commit", commitId()},
-                 {"machine", {{"processor", processorName()}, {"threads", threadCount()}}},
-                 {"device", deviceName},
-                 {"driver", info ? Json(info->driver) : Json(nullptr)},
-                 {"arithmetic", toJson(arithmetic)},
-                 {"results", Json::array()},
-                 {"builds", Json::array()}};
+    Json document = describeRun(settings.devices);
     for (const std::filesystem::path& file : options.inputs) {
-        const Geometry geometry = flatten(importScene(file));
-        BenchReport report;
-        {
-            Progress progress(file.filename().string());
-            const auto tell = [&](const std::string& step, double done) { progress.update(step, done); };
-            report = raig::bench(geometry, settings, tell);
-        }
-        for (const BenchResult& r : report.results)
-            if (r.embree && r.hits != r.embreeHits)
-                log::note("remark: {} of the {} rays hit, {} by Embree, which is not watertight by default", r.hits, r.rays,
-                          r.embreeHits);
-        if (options.json)
-            addJson(json, file.filename().string(), geometry.triangles.size(), deviceName, options, report);
-        else
-            printReport(file.filename().string() + (geometry.spheres.empty() ? "" : " (spheres among them)"),
-                        geometry.triangles.size(), report);
+        const SceneBenches benches = benchScene(file, settings);
+        addJson(document, benches);
+        if (!options.json) printTables(benches);
     }
-    if (options.json) std::printf("%s\n", json.dump(2).c_str());
-    return static_cast<int>(ExitCode::done);
+    if (!options.json)
+        for (const auto& [name, peer] : document["peers"].items())
+            if (!peer["measured"]) fmt::print("{}: {}\n", name, peer["why"].get<std::string>());
+    const ExitCode code = baseline ? compareWith(*baseline, options, document) : ExitCode::done;
+    if (options.json) std::printf("%s\n", document.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+    return static_cast<int>(code);
 }
 
 }  // namespace raig

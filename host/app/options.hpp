@@ -49,6 +49,9 @@ struct Options {
     // bench.
     uint32_t side = 1024;       ///< of the square picture whose rays are traced; a multiple of 8
     uint32_t repetitions = 7;   ///< of each measurement
+    bool bothQueries = false;   ///< of each set of rays
+    std::filesystem::path baseline;  ///< an earlier run's JSON; empty: none
+    double slower = 1.25;       ///< than the baseline, by no more than this factor
 
     // stress.
     std::vector<uint32_t> cases;   ///< by number; none: all

@@ -1,7 +1,6 @@
 #include "measure/bench.hpp"
 
 #include "base/error.hpp"
-#include "device/buffer.hpp"
 #include "measure/embree_peer.hpp"
 #include "rays/primitives.hpp"
 
@@ -12,158 +11,192 @@ namespace raig {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr uint32_t warmUps = 2;
+constexpr double longBuild = 10.0;  // seconds: what takes so long is not noise
 
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-Quartiles scaled(const std::vector<double>& seconds, double rays) {
-    std::vector<double> rates;
-    for (const double s : seconds) rates.push_back(rays / s * 1e-6);
-    return quartilesOf(rates);
-}
-
-/// Rays that stay where they are traced: what is measured is the walk, not the way there.
-class Traced {
-public:
-    Traced(Tracer& tracer, DeviceTracer* onDevice, Device* device, std::span<const Ray> rays, Query query)
-        : tracer_(tracer), onDevice_(onDevice), rays_(rays), query_(query), hits_(rays.size()) {
-        if (!device) return;
-        rayBuffer_.emplace(*device, rays.size_bytes());
-        hitBuffer_.emplace(*device, rays.size() * sizeof(Hit));
-        rayBuffer_->uploadValues(rays);
-    }
-
-    double run() {
-        const Clock::time_point start = Clock::now();
-        if (onDevice_)
-            onDevice_->traceBuffers(*rayBuffer_, *hitBuffer_, static_cast<uint32_t>(rays_.size()), query_, false);
-        else
-            tracer_.trace(rays_, hits_, query_);
-        return secondsSince(start);
-    }
-
-    uint64_t countHits() {
-        if (hitBuffer_) hitBuffer_->download(std::as_writable_bytes(std::span(hits_)));
-        return static_cast<uint64_t>(
-            std::count_if(hits_.begin(), hits_.end(), [](const Hit& hit) { return hit.primitive != NO_HIT; }));
-    }
-
-private:
-    Tracer& tracer_;
-    DeviceTracer* onDevice_;
-    std::span<const Ray> rays_;
-    Query query_;
-    std::vector<Hit> hits_;
-    std::optional<Buffer> rayBuffer_, hitBuffer_;
+/// One set of rays, and what they are asked for.
+struct Batch {
+    const char* name;
+    const std::vector<Ray>& rays;
+    Query query;
+    bool coherent;  ///< neighbours go much the same way
 };
 
-/// The measurements of one structure.
-class StructureBench {
+/// What is timed over a batch: a structure on a device, or Embree in one of its ways.
+struct Entrant {
+    BenchResult result;
+    std::function<TraceReport(uint64_t& hits)> trace;
+    std::vector<double> seconds = {}, deviceSeconds = {}, embreeSeconds = {}, ratios = {};
+};
+
+/// One structure, walked on each device.
+struct Walked {
+    Structure structure;
+    std::unique_ptr<Tracer> cpu;
+    std::vector<std::unique_ptr<DeviceTracer>> onDevices;  ///< none: the CPU path
+};
+
+class SceneBench {
 public:
-    StructureBench(const Geometry& geometry, const BenchSettings& settings, const std::string& name, BenchReport& report)
-        : geometry_(geometry), settings_(settings), name_(name), report_(report) {}
-
-    void build(const std::vector<Primitive>& triangles) {
-        std::vector<double> seconds, ratios;
-        for (uint32_t i = 0; i < settings_.repetitions; ++i) {
-            peer_ = EmbreePeer::make(geometry_);
-            const Clock::time_point start = Clock::now();
-            structure_ = structureType(name_).build(triangles, settings_.params);
-            seconds.push_back(secondsSince(start));
-            if (peer_) ratios.push_back(seconds.back() / peer_->buildSeconds());
-            if (seconds.back() > 10.0) break;  // what takes so long is not noise
-        }
-        BenchBuild& build = report_.builds.emplace_back(BenchBuild{name_, structure_.walk, quartilesOf(seconds), {}, {}});
-        if (!ratios.empty()) build.toEmbree = quartilesOf(ratios);
-        build.statistics = structure_.statistics;
-        cpu_ = makeCpuTracer(structure_);
-        if (settings_.device) {
-            device_ = std::make_unique<Device>(*settings_.device);
-            onDevice_ = makeDeviceTracer(*device_, structure_);
-        }
+    SceneBench(const Geometry& geometry, const BenchSettings& settings,
+               const std::function<void(const std::string&, double)>& progress)
+        : geometry_(geometry), settings_(settings), progress_(progress), primitives_(primitivesOf(geometry)) {
+        for (const auto& info : settings.devices) devices_.push_back(info ? std::make_unique<Device>(*info) : nullptr);
     }
 
-    RaySets makeSets() {
-        const MeasuringCamera camera = measuringCamera(geometry_, geometry_.bounds);
-        return makeRaySets(geometry_, geometry_.bounds, camera, settings_.side, *cpu_);
-    }
-
-    void trace(const char* what, const std::vector<Ray>& rays, Query query) {
-        BenchResult result{name_, structure_.walk, what, rays.size(), 0, 0, {}, {}, {}, {}};
-        if (rays.empty()) return;
-        Traced traced(*cpu_, onDevice_.get(), device_.get(), rays, query);
-        std::vector<double> own, peers, ratios;
-        for (uint32_t i = 0; i < warmUps + settings_.repetitions; ++i) {
-            size_t hits = 0;
-            const double theirs = peer_ ? peer_->trace(rays, query, hits) : 0.0, ours = traced.run();
-            result.embreeHits = hits;
-            if (i < warmUps) continue;
-            own.push_back(ours);
-            if (!peer_) continue;
-            peers.push_back(theirs);
-            ratios.push_back(theirs / ours);
+    BenchReport run() {
+        for (const std::string& name : settings_.structures) {
+            progress_("building " + name, share());
+            const std::unique_ptr<Walked> walked = build(name);
+            if (name == settings_.structures.front()) {
+                progress_("making rays", share());
+                const MeasuringCamera camera = measuringCamera(geometry_, geometry_.bounds);
+                sets_ = makeRaySets(geometry_, geometry_.bounds, camera, settings_.side, *walked->cpu);
+                robust_ = EmbreePeer::make(geometry_, /* robust= */ true);
+            }
+            for (const Batch& batch : batches()) {
+                progress_(name + ": " + batch.name, share());
+                ++stepsDone_;
+                if (!batch.rays.empty()) measure(*walked, batch);
+            }
+            robust_ = nullptr;  // measured
         }
-        result.hits = traced.countHits();
-        std::vector<Hit> ignored(rays.size());
-        result.counters = cpu_->trace(rays, ignored, query).counters;
-        result.megaRays = scaled(own, static_cast<double>(rays.size()));
-        if (peer_) {
-            result.embree = scaled(peers, static_cast<double>(rays.size()));
-            result.toEmbree = quartilesOf(ratios);
-        }
-        report_.results.push_back(result);
+        return std::move(report_);
     }
 
 private:
+    std::vector<Batch> batches() const {
+        std::vector<Batch> all;
+        for (const Batch& batch : {Batch{"primary", sets_.primary, Query::closest, true},
+                                   Batch{"shadow", sets_.shadow, Query::any, true},
+                                   Batch{"diffuse", sets_.diffuse, Query::closest, false},
+                                   Batch{"specular", sets_.specular, Query::closest, true}}) {
+            all.push_back(batch);
+            const Query other = batch.query == Query::any ? Query::closest : Query::any;
+            if (settings_.bothQueries) all.push_back({batch.name, batch.rays, other, batch.coherent});
+        }
+        return all;
+    }
+
+    double share() const {
+        return double(stepsDone_) / (double(settings_.structures.size()) * double(batches().size()));
+    }
+
+    std::unique_ptr<Walked> build(const std::string& name) {
+        auto walked = std::make_unique<Walked>();
+        std::vector<double> seconds, ratios;
+        for (uint32_t i = 0; i < settings_.repetitions; ++i) {
+            embree_ = EmbreePeer::make(geometry_);
+            const auto start = std::chrono::steady_clock::now();
+            walked->structure = structureType(name).build(primitives_, settings_.params);
+            seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+            if (embree_) ratios.push_back(seconds.back() / embree_->buildSeconds());
+            if (seconds.back() > longBuild) break;
+        }
+        const Structure& structure = walked->structure;
+        BenchBuild& build =
+            report_.builds.emplace_back(BenchBuild{name, structure.walk, quartilesOf(seconds), {}, structure.statistics});
+        if (!ratios.empty()) build.toEmbree = quartilesOf(ratios);
+        walked->cpu = makeCpuTracer(structure);
+        for (const auto& device : devices_)
+            walked->onDevices.push_back(device ? makeDeviceTracer(*device, structure) : nullptr);
+        return walked;
+    }
+
+    /// Each entrant right after Embree, one entrant after the other, and all that again.
+    void measure(Walked& walked, const Batch& batch) {
+        std::vector<Entrant> entrants = waysOfEmbree(batch);
+        addWalks(walked, batch, entrants);
+        uint64_t embreeHits = 0;
+        for (uint32_t i = 0; i < warmUps + settings_.repetitions; ++i) {
+            for (Entrant& entrant : entrants) {
+                const double embree = embree_ ? traceEmbree(*embree_, batch, Width::single, embreeHits).seconds : 0.0;
+                const TraceReport report = entrant.trace(entrant.result.hits);
+                if (i < warmUps) continue;
+                entrant.seconds.push_back(report.seconds);
+                if (report.deviceSeconds > 0.0) entrant.deviceSeconds.push_back(report.deviceSeconds);
+                entrant.embreeSeconds.push_back(embree);
+                entrant.ratios.push_back(embree / report.seconds);
+            }
+        }
+        for (Entrant& entrant : entrants) {
+            BenchResult& result = entrant.result;
+            result.megaRays = megaRaysOf(entrant.seconds, result.count);
+            if (!entrant.deviceSeconds.empty()) result.deviceMegaRays = megaRaysOf(entrant.deviceSeconds, result.count);
+            if (embree_) result.toEmbree = {megaRaysOf(entrant.embreeSeconds, result.count), quartilesOf(entrant.ratios),
+                                            embreeHits};
+            report_.results.push_back(std::move(result));
+        }
+    }
+
+    using Width = EmbreePeer::Width;
+    static TraceReport traceEmbree(EmbreePeer& embree, const Batch& batch, Width width, uint64_t& hits) {
+        const EmbreePeer::Traced traced = embree.trace(batch.rays, batch.query, width);
+        hits = traced.hits;
+        TraceReport report;
+        report.seconds = traced.seconds;
+        return report;
+    }
+
+    /// Nothing once they are measured.
+    std::vector<Entrant> waysOfEmbree(const Batch& batch) {
+        std::vector<Entrant> entrants;
+        if (!embree_ || !robust_) return entrants;
+        for (const Width width : {Width::single, batch.coherent ? Width::coherentPacket8 : Width::packet8})
+            for (EmbreePeer* const peer : {embree_.get(), robust_.get()}) {
+                const std::string way = width == Width::single ? "single" : "packet8";
+                entrants.push_back({resultOf(embreeName, way + (peer == robust_.get() ? " robust" : ""), nullptr, batch),
+                                    [=](uint64_t& hits) { return traceEmbree(*peer, batch, width, hits); }});
+            }
+        return entrants;
+    }
+
+    void addWalks(Walked& walked, const Batch& batch, std::vector<Entrant>& entrants) const {
+        std::vector<Hit> ignored(batch.rays.size());
+        const WalkCounters counters = walked.cpu->trace(batch.rays, ignored, batch.query).counters;  // the same everywhere
+        for (size_t i = 0; i < devices_.size(); ++i) {
+            Device* const device = devices_[i].get();
+            const auto rays = device ? std::make_shared<ResidentRays>(*walked.onDevices[i], *device, batch.rays, batch.query)
+                                     : std::make_shared<ResidentRays>(*walked.cpu, batch.rays, batch.query);
+            entrants.push_back({resultOf(walked.structure.name, walked.structure.walk, device, batch),
+                                [=](uint64_t& hits) {
+                                    const TraceReport report = rays->trace();
+                                    hits = std::ranges::count_if(
+                                        rays->hits(), [](const Hit& hit) { return hit.primitive != NO_HIT; });
+                                    return report;
+                                }});
+            entrants.back().result.counters = counters;
+        }
+    }
+
+    static BenchResult resultOf(const std::string& structure, const std::string& walk, const Device* device,
+                                const Batch& batch) {
+        BenchResult result;
+        result.structure = structure;
+        result.walk = walk;
+        result.device = device ? device->info().name : "cpu";
+        result.rays = batch.name;
+        result.query = batch.query;
+        result.count = batch.rays.size();
+        return result;
+    }
+
     const Geometry& geometry_;
     const BenchSettings& settings_;
-    const std::string& name_;
-    BenchReport& report_;
-    std::unique_ptr<EmbreePeer> peer_;
-    Structure structure_;
-    std::unique_ptr<Device> device_;
-    std::unique_ptr<Tracer> cpu_;
-    std::unique_ptr<DeviceTracer> onDevice_;
+    const std::function<void(const std::string&, double)>& progress_;
+    std::vector<Primitive> primitives_;
+    std::vector<std::unique_ptr<Device>> devices_;  ///< none: the CPU path
+    std::unique_ptr<EmbreePeer> embree_, robust_;
+    RaySets sets_;
+    BenchReport report_;
+    size_t stepsDone_ = 0;
 };
 
 }  // namespace
 
-Quartiles quartilesOf(std::vector<double> values) {
-    RAIG_CHECK(!values.empty());
-    std::sort(values.begin(), values.end());
-    const auto at = [&](double share) {
-        const double place = share * static_cast<double>(values.size() - 1);
-        const auto below = static_cast<size_t>(place);
-        const size_t above = std::min(below + 1, values.size() - 1);
-        return values[below] + (values[above] - values[below]) * (place - static_cast<double>(below));
-    };
-    return {at(0.5), at(0.25), at(0.75)};
-}
-
 BenchReport bench(const Geometry& geometry, const BenchSettings& settings,
                   const std::function<void(const std::string&, double)>& progress) {
-    BenchReport report;
-    const std::vector<Primitive> triangles = primitivesOf(geometry);
-    const double steps = 6.0 * static_cast<double>(settings.structures.size());
-    double step = 0.0;
-    for (const std::string& name : settings.structures) {
-        StructureBench one(geometry, settings, name, report);
-        progress("building " + name, step++ / steps);
-        one.build(triangles);
-        progress("making rays", step++ / steps);
-        const RaySets sets = one.makeSets();
-        const auto trace = [&](const char* what, const std::vector<Ray>& rays, Query query) {
-            progress(name + ": " + what, step++ / steps);
-            one.trace(what, rays, query);
-        };
-        trace("primary", sets.primary, Query::closest);
-        trace("shadow", sets.shadow, Query::any);
-        trace("diffuse", sets.diffuse, Query::closest);
-        trace("specular", sets.specular, Query::closest);
-    }
-    return report;
+    return SceneBench(geometry, settings, progress).run();
 }
 
 }  // namespace raig

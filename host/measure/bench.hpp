@@ -2,6 +2,7 @@
 #pragma once
 
 #include "measure/ray_sets.hpp"
+#include "measure/timing.hpp"
 
 #include <functional>
 #include <optional>
@@ -10,30 +11,37 @@
 
 namespace raig {
 
-struct Quartiles {
-    double median = 0.0, q1 = 0.0, q3 = 0.0;
-};
-
-/// Of at least one value; between two, the mean of them by their distance.
-Quartiles quartilesOf(std::vector<double> values);
-
 struct BenchSettings {
-    uint32_t side = 1024;       ///< of the picture that primary rays belong to; a multiple of 8
-    uint32_t repetitions = 7;   ///< of each measurement, in turn with the peer's; two more to warm up
+    uint32_t side = 1024;      ///< of the picture that primary rays belong to; a multiple of 8
+    uint32_t repetitions = 7;  ///< of each measurement, in turn with the peer's; two more to warm up
     std::vector<std::string> structures;
     BuildParams params;
-    const DeviceInfo* device = nullptr;  ///< none: the CPU path
+    std::vector<std::optional<DeviceInfo>> devices;  ///< nothing: the CPU path
+    bool bothQueries = false;  ///< of each set; else the one that such rays are for: any of shadow, closest of the others
 };
 
+/// Name of Embree, where structures have theirs.
+inline constexpr const char* embreeName = "embree";
+
 struct BenchResult {
-    std::string structure, walk, rays;
+    std::string structure;  ///< or the peer
+    std::string walk;       ///< of a peer, how it is asked: single, packet8, single robust, packet8 robust
+    std::string device;     ///< its name; of the CPU path and of Embree, cpu
+    std::string rays;       ///< primary, shadow, diffuse or specular
+    Query query = Query::closest;
     uint64_t count = 0;  ///< of rays
     uint64_t hits = 0;
-    uint64_t embreeHits = 0;
-    Quartiles megaRays;                    ///< a second, wall time
-    std::optional<Quartiles> embree;       ///< the same of Embree, in the same run
-    std::optional<Quartiles> toEmbree;     ///< of pairs measured one after the other: above 1, raig is faster
-    WalkCounters counters;
+    Quartiles megaRays;                       ///< a second, wall time
+    std::optional<Quartiles> deviceMegaRays;  ///< a second of the device's own clock, where it has one
+    std::optional<WalkCounters> counters;     ///< none of a peer's
+
+    /// Embree as it is by default, ray by ray, in the same run. `ratio` is of pairs measured one after the other: above 1,
+    /// this is faster than Embree.
+    struct ToEmbree {
+        Quartiles megaRays, ratio;
+        uint64_t hits = 0;
+    };
+    std::optional<ToEmbree> toEmbree;
 };
 
 struct BenchBuild {
@@ -48,8 +56,9 @@ struct BenchReport {
     std::vector<BenchResult> results;
 };
 
-/// Builds and traces one scene. `progress` is told what is at hand and the share done, before each step.
-/// Throws what building and opening devices throw.
+/// Builds and traces one scene. Embree's other ways are measured once a scene, beside the first structure. `progress` is told
+/// what is at hand and the share done, before each step. Throws what building and opening devices throw.
+/// Memory: one structure at a time, and 224 bytes a ray of the largest set.
 BenchReport bench(const Geometry& geometry, const BenchSettings& settings,
                   const std::function<void(const std::string&, double)>& progress);
 

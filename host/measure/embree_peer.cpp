@@ -1,10 +1,12 @@
 #include "measure/embree_peer.hpp"
 
 #include "base/parallel.hpp"
+#include "base/threads.hpp"
 
-#include <atomic>
+#include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <vector>
 
 #ifdef RAIG_EMBREE
 #include <embree3/rtcore.h>
@@ -17,7 +19,7 @@ namespace raig {
 struct EmbreePeer::State {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
-    std::vector<RTCRayHit> rays;  // as Embree wants them: it writes into them, so they are made anew for each trace
+    std::vector<RTCRayHit8> rays;  // or eight RTCRayHit in the place of each; Embree writes into them, so they are made anew
 
     ~State() {
         if (scene) rtcReleaseScene(scene);
@@ -29,21 +31,102 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr size_t grain = 4096;  // rays of one thread at a time
+
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-RTCRayHit asEmbrees(const Ray& ray) {
-    RTCRayHit result{};
-    result.ray.org_x = ray.origin.x;
-    result.ray.org_y = ray.origin.y;
-    result.ray.org_z = ray.origin.z;
-    result.ray.tnear = ray.tMin;
-    result.ray.dir_x = ray.direction.x;
-    result.ray.dir_y = ray.direction.y;
-    result.ray.dir_z = ray.direction.z;
-    result.ray.tfar = ray.tMax;
-    result.ray.mask = ~0u;
-    result.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    return result;
+constexpr size_t width = 8;
+static_assert(sizeof(RTCRayHit8) == width * sizeof(RTCRayHit));
+
+void setRay(RTCRayHit& to, const Ray& ray) {
+    to = {};
+    to.ray.org_x = ray.origin.x;
+    to.ray.org_y = ray.origin.y;
+    to.ray.org_z = ray.origin.z;
+    to.ray.tnear = ray.tMin;
+    to.ray.dir_x = ray.direction.x;
+    to.ray.dir_y = ray.direction.y;
+    to.ray.dir_z = ray.direction.z;
+    to.ray.tfar = ray.tMax;
+    to.ray.mask = ~0u;
+    to.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+}
+
+void setPacket(RTCRayHit8& to, std::span<const Ray> rays) {
+    to = {};
+    for (size_t lane = 0; lane < rays.size(); ++lane) {
+        to.ray.org_x[lane] = rays[lane].origin.x;
+        to.ray.org_y[lane] = rays[lane].origin.y;
+        to.ray.org_z[lane] = rays[lane].origin.z;
+        to.ray.tnear[lane] = rays[lane].tMin;
+        to.ray.dir_x[lane] = rays[lane].direction.x;
+        to.ray.dir_y[lane] = rays[lane].direction.y;
+        to.ray.dir_z[lane] = rays[lane].direction.z;
+        to.ray.tfar[lane] = rays[lane].tMax;
+        to.ray.mask[lane] = ~0u;
+        to.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+    }
+}
+
+/// How many i below `size` have it.
+template <class Has>
+uint64_t count(size_t size, const Has& has) {
+    return parallelReduce(
+        size, grain, uint64_t{0},
+        [&](size_t begin, size_t end, uint64_t sum) {
+            for (size_t i = begin; i < end; ++i) sum += has(i);
+            return sum;
+        },
+        std::plus<>());
+}
+
+EmbreePeer::Traced traceSingles(RTCScene scene, std::span<RTCRayHit> made, std::span<const Ray> rays, Query query) {
+    parallelFor(rays.size(), grain, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) setRay(made[i], rays[i]);
+    });
+    const Clock::time_point start = Clock::now();
+    parallelFor(rays.size(), grain, [&](size_t begin, size_t end) {
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        for (size_t i = begin; i < end; ++i) {
+            if (query == Query::closest)
+                rtcIntersect1(scene, &context, &made[i]);
+            else
+                rtcOccluded1(scene, &context, &made[i].ray);
+        }
+    });
+    const double seconds = secondsSince(start);
+    return {seconds, count(rays.size(), [&](size_t i) {
+                return query == Query::closest ? made[i].hit.geomID != RTC_INVALID_GEOMETRY_ID : made[i].ray.tfar < 0.0f;
+            })};
+}
+
+EmbreePeer::Traced tracePackets(RTCScene scene, std::span<RTCRayHit8> made, std::span<const Ray> rays, Query query,
+                                bool coherent) {
+    const auto lanes = [&](size_t packet) { return std::min(width, rays.size() - packet * width); };
+    parallelFor(made.size(), grain / width, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) setPacket(made[i], rays.subspan(i * width, lanes(i)));
+    });
+    const Clock::time_point start = Clock::now();
+    parallelFor(made.size(), grain / width, [&](size_t begin, size_t end) {
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+        for (size_t i = begin; i < end; ++i) {
+            alignas(32) int valid[width];
+            for (size_t lane = 0; lane < width; ++lane) valid[lane] = lane < lanes(i) ? -1 : 0;
+            if (query == Query::closest)
+                rtcIntersect8(valid, scene, &context, &made[i]);
+            else
+                rtcOccluded8(valid, scene, &context, &made[i].ray);
+        }
+    });
+    const double seconds = secondsSince(start);
+    return {seconds, count(rays.size(), [&](size_t i) {
+                const RTCRayHit8& packet = made[i / width];
+                return query == Query::closest ? packet.hit.geomID[i % width] != RTC_INVALID_GEOMETRY_ID
+                                               : packet.ray.tfar[i % width] < 0.0f;
+            })};
 }
 
 /// A copy: Embree reads four bytes past the last vertex of a buffer of one's own.
@@ -68,12 +151,13 @@ std::vector<uvec3> trianglesOnly(const Geometry& geometry) {
 
 }  // namespace
 
-std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry& geometry) {
+std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry& geometry, bool robust) {
     auto state = std::make_unique<State>();
-    state->device = rtcNewDevice(nullptr);
+    state->device = rtcNewDevice(fmt::format("threads={}", threadCount()).c_str());
     if (!state->device) return nullptr;
     const Clock::time_point start = Clock::now();
     state->scene = rtcNewScene(state->device);
+    rtcSetSceneFlags(state->scene, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
     if (geometry.triangleCount() > 0) {
         RTCGeometry triangles = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_TRIANGLE);
         fillBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, geometry.positions);
@@ -95,33 +179,26 @@ std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry& geometry) {
     return std::unique_ptr<EmbreePeer>(new EmbreePeer(std::move(state), secondsSince(start)));
 }
 
-double EmbreePeer::trace(std::span<const Ray> rays, Query query, size_t& hits) {
-    state_->rays.resize(rays.size());
-    for (size_t i = 0; i < rays.size(); ++i) state_->rays[i] = asEmbrees(rays[i]);
-    const Clock::time_point start = Clock::now();
-    parallelFor(rays.size(), 4096, [&](size_t begin, size_t end) {
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
-        for (size_t i = begin; i < end; ++i) {
-            if (query == Query::closest)
-                rtcIntersect1(state_->scene, &context, &state_->rays[i]);
-            else
-                rtcOccluded1(state_->scene, &context, &state_->rays[i].ray);
-        }
-    });
-    const double seconds = secondsSince(start);
-    hits = 0;
-    for (const RTCRayHit& ray : state_->rays)
-        hits += query == Query::closest ? ray.hit.geomID != RTC_INVALID_GEOMETRY_ID : ray.ray.tfar < 0.0f;
-    return seconds;
+EmbreePeer::Traced EmbreePeer::trace(std::span<const Ray> rays, Query query, Width width) {
+    const size_t packets = (rays.size() + raig::width - 1) / raig::width;
+    if (state_->rays.size() < packets) state_->rays.resize(packets);
+    if (width == Width::single)
+        return traceSingles(state_->scene, {reinterpret_cast<RTCRayHit*>(state_->rays.data()), rays.size()}, rays, query);
+    return tracePackets(state_->scene, std::span(state_->rays).first(packets), rays, query,
+                        width == Width::coherentPacket8);
+}
+
+std::optional<std::string> embreeVersion() {
+    return fmt::format("{}.{}.{}", RTC_VERSION_MAJOR, RTC_VERSION_MINOR, RTC_VERSION_PATCH);
 }
 
 #else
 
 struct EmbreePeer::State {};
 
-std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry&) { return nullptr; }
-double EmbreePeer::trace(std::span<const Ray>, Query, size_t&) { return 0.0; }
+std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry&, bool) { return nullptr; }
+EmbreePeer::Traced EmbreePeer::trace(std::span<const Ray>, Query, Width) { return {}; }
+std::optional<std::string> embreeVersion() { return std::nullopt; }
 
 #endif
 

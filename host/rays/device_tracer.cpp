@@ -131,10 +131,10 @@ public:
         return traceAll(rays, hits, Query::any, true);
     }
 
-    double traceBuffers(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows) override {
+    TraceReport traceBuffers(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows) override {
         TraceReport report;
         run(rays, hits, count, query, shadows, report);
-        return report.seconds;
+        return report;
     }
 
 private:

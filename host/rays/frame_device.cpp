@@ -55,9 +55,11 @@ public:
         commands_.dispatch(kernels_[static_cast<size_t>(kernel)], {.x = (step.count + groupSize - 1) / groupSize}, step);
         return commands_.run().seconds;
     }
-    double trace(uint32_t count) override { return tracer_.traceBuffers(rays_, hits_, count, Query::closest, false); }
+    double trace(uint32_t count) override {
+        return tracer_.traceBuffers(rays_, hits_, count, Query::closest, false).seconds;
+    }
     double traceShadows(uint32_t count) override {
-        return tracer_.traceBuffers(shadowRays_, shadowHits_, count, Query::any, true);
+        return tracer_.traceBuffers(shadowRays_, shadowHits_, count, Query::any, true).seconds;
     }
     uint32_t counted() override { return count_.downloadValues<uint32_t>().front(); }
     void read(std::span<PixelResult> results) override { results_.download(std::as_writable_bytes(results)); }

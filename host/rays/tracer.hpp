@@ -66,7 +66,7 @@ public:
     /// Records the trace of `count` rays of a device buffer (Ray, tightly packed) into another (Hit), and runs it to the
     /// end: rays whose walk is longer than one dispatch may be are taken up again until all are done.
     /// `shadows`: as traceShadows. The buffers must have storage usage; `count` > 0.
-    virtual double traceBuffers(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows) = 0;
+    virtual TraceReport traceBuffers(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows) = 0;
 };
 
 std::unique_ptr<DeviceTracer> makeDeviceTracer(Device& device, const Structure& structure, bool counting = false);
