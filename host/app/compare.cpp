@@ -230,7 +230,7 @@ void warnIfVacuous(const Findings& found) {
 }
 
 void noteFaults(const HitComparison& all) {
-    for (const HitComparison::Fault& fault : all.faults)
+    for (const HitComparison::Difference& fault : all.faults)
         log::note("ray {}: {}: the reference has triangle {} at {}, the device {} at {}", fault.ray,
                   hitClassNames[static_cast<uint32_t>(fault.kind)], static_cast<int32_t>(fault.oracle.primitive),
                   fault.oracle.t, static_cast<int32_t>(fault.device.primitive), fault.device.t);

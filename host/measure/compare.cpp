@@ -155,6 +155,22 @@ Spread spreadOf(std::vector<double> values) {
     return {rank(0.5), rank(0.99), values.back()};
 }
 
+size_t UlpHistogram::bucketOf(uint64_t ulps) {
+    return ulps == 0 ? 0 : static_cast<size_t>(std::bit_width(ulps - 1)) + 1;
+}
+
+uint64_t UlpHistogram::lowest(size_t bucket) {
+    return bucket < 2 ? bucket : (uint64_t{1} << (bucket - 2)) + 1;
+}
+
+uint64_t UlpHistogram::highest(size_t bucket) {
+    return bucket == 0 ? 0 : uint64_t{1} << (bucket - 1);
+}
+
+void UlpHistogram::operator+=(const UlpHistogram& other) {
+    for (size_t i = 0; i < buckets; ++i) counts[i] += other.counts[i];
+}
+
 uint64_t HitComparison::rays() const {
     return counts[0] + counts[1] + counts[2] + counts[3] + counts[4];
 }
@@ -179,11 +195,15 @@ HitComparison compareHits(const reference::Tree& tree, std::span<const Ray> rays
         ++result.counts[static_cast<uint32_t>(kinds[i])];
         result.met += oracle[i].primitive != noTriangle;
         if (kinds[i] == HitClass::same && hits[i].primitive != NO_HIT) {
-            ulps.push_back(static_cast<double>(ulpsApart(static_cast<float>(oracle[i].t), hits[i].t)));
+            const uint64_t apart = ulpsApart(static_cast<float>(oracle[i].t), hits[i].t);
+            ++result.tUlps.counts[UlpHistogram::bucketOf(apart)];
+            ulps.push_back(static_cast<double>(apart));
             offsets.push_back(offsetOf(tree.geometry(), rays[i], hits[i]));
         }
-        if (kinds[i] != HitClass::same && kinds[i] != HitClass::tie && result.faults.size() < 16)
-            result.faults.push_back({i, kinds[i], oracle[i], hits[i]});
+        if (kinds[i] == HitClass::same) continue;
+        const HitComparison::Difference difference{i, rays[i], kinds[i], oracle[i], hits[i]};
+        if (kinds[i] != HitClass::tie && result.faults.size() < 16) result.faults.push_back(difference);
+        if (kinds[i] == HitClass::tie && !result.firstTie) result.firstTie = difference;
     }
     result.tUlp = spreadOf(std::move(ulps));
     result.offset = spreadOf(std::move(offsets));
@@ -196,14 +216,15 @@ Image roundedImage(const reference::Picture& picture) {
     return image;
 }
 
-PictureComparison compareToReference(const Image& picture, const reference::Picture& expected, double sensitivity) {
+PictureComparison compareToReference(const Image& picture, const reference::Picture& expected, double sensitivity,
+                                     double pixelsPerDegree) {
     const Image rounded = roundedImage(expected);
     std::vector<uint8_t> ties(expected.sensitivity.size());
     // Written so that a NaN is no tie.
     for (size_t i = 0; i < ties.size(); ++i) ties[i] = expected.sensitivity[i] > sensitivity;
     PictureComparison result;
-    result.outsideTies = comparePictures(picture, rounded, ties);
-    result.everywhere = comparePictures(picture, rounded);
+    result.outsideTies = comparePictures(picture, rounded, ties, pixelsPerDegree);
+    result.everywhere = comparePictures(picture, rounded, {}, pixelsPerDegree);
     result.ties = static_cast<uint64_t>(std::count(ties.begin(), ties.end(), 1));
     for (const dvec3& colour : expected.radiance) result.blank &= colour == expected.radiance[0];
     return result;

@@ -6,6 +6,7 @@
 #include "reference/picture.hpp"
 
 #include <array>
+#include <optional>
 #include <string_view>
 
 namespace raig {
@@ -54,6 +55,18 @@ struct Spread {
 };
 Spread spreadOf(std::vector<double> values);
 
+/// How many values are how many ULP off: 0, 1, 2, 3 to 4, 5 to 8, and so on, each twice as wide as the one before.
+struct UlpHistogram {
+    static constexpr size_t buckets = 34;  ///< the last one ends at 2^32: no two floats are farther apart
+
+    static size_t bucketOf(uint64_t ulps);
+    static uint64_t lowest(size_t bucket);
+    static uint64_t highest(size_t bucket);
+    void operator+=(const UlpHistogram& other);
+
+    std::array<uint64_t, buckets> counts{};
+};
+
 struct HitComparison {
     std::array<uint64_t, 5> counts{};  ///< by HitClass
     uint64_t met = 0;                  ///< rays that hit something by the reference: of no such ray, the rest says little
@@ -61,19 +74,22 @@ struct HitComparison {
     /// Where the triangle is the same: how far t is from the oracle's, rounded to float, in ULP. This grows without bound at
     /// grazing incidence and for t near 0, where t is ill-conditioned; `offset` does not.
     Spread tUlp;
+    UlpHistogram tUlps;
 
     /// Where the triangle is the same: how far origin + t * direction is from it, in units of positionTolerance. Above 1, t
     /// is wrong, though the triangle is right.
     Spread offset;
 
-    /// Rays that were neither same nor tie, in order; at most 16 are kept.
-    struct Fault {
-        uint64_t ray;
+    /// A ray whose answer is not the reference's.
+    struct Difference {
+        uint64_t ray;  ///< its number
+        Ray floats;
         HitClass kind;
         reference::Hit oracle;
         Hit device;
     };
-    std::vector<Fault> faults;
+    std::vector<Difference> faults;      ///< neither same nor tie, in order; at most 16 are kept
+    std::optional<Difference> firstTie;
 
     uint64_t count(HitClass kind) const { return counts[static_cast<uint32_t>(kind)]; }
     uint64_t rays() const;
@@ -99,7 +115,8 @@ inline constexpr double tieSensitivity = 1e-3;
 
 /// Compares a picture with the reference's of the same size (else throws inputError).
 PictureComparison compareToReference(const Image& picture, const reference::Picture& expected,
-                                     double sensitivity = tieSensitivity);
+                                     double sensitivity = tieSensitivity,
+                                     double pixelsPerDegree = defaultPixelsPerDegree);
 
 /// The reference's radiance, rounded to floats.
 Image roundedImage(const reference::Picture& picture);
