@@ -191,7 +191,8 @@ TEST(CompareBounds, EveryMetricHasAValueOfItsOwn) {
     PictureDifference d;
     d.pixels = 10;
     d.nan = 1;
-    d.max = 2.0, d.rmse = 3.0, d.relmse = 4.0, d.psnr = 5.0, d.ssim = 6.0, d.flipMean = 7.0, d.flipP99 = 8.0, d.flipMax = 9.0;
+    d.max = 2.0, d.rmse = 3.0, d.relmse = 4.0, d.psnr = 5.0, d.ssim = 6.0;
+    d.flipMean = 7.0, d.flipP99 = 8.0, d.flipMax = 9.0;
     SceneComparison scene;
     scene.pixels.outsideTies = d;
     scene.pixels.ties = 10;

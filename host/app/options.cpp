@@ -1,5 +1,6 @@
 #include "app/options.hpp"
 
+#include "app/compare_options.hpp"
 #include "app/written_files.hpp"
 #include "base/error.hpp"
 
@@ -238,13 +239,18 @@ void addCompare(CLI::App& app, Options& options) {
     addInput(command, options, "first", "a scene, or a picture")->required();
     addInput(command, options, "second", "the picture to compare a picture with");
     addPictureFile(command, options, "the difference picture: .png, .hdr, .exr or .pfm", false);
+    addCompareOptions(command, options);
     addPicture(command, options, 256);
     addStructure(command, options);
     addCommon(command, options);
     command.footer("Examples:\n"
                    "  raig compare scene.glb\n"
                    "  raig compare a.png b.png -o difference.png --json\n"
-                   "Exits with 1 if what is compared differs by more than the accuracy contract allows.");
+                   "  raig compare out.exr reference.exr --fail-above flip_mean=0.01 --fail-below psnr=40\n"
+                   "Files are taken as light: PNG is decoded from sRGB, alpha is left out. max, rmse and relmse are of\n"
+                   "light; psnr, ssim and flip of what a screen shows, sRGB from 0 to 1, whatever the files.\n"
+                   "Exits with 1 if a metric breaks its bound. A scene's own bounds, where none is given: missed, phantom,\n"
+                   "wrong and nan 0, offset_max 1, rmse 0.001; different 0 on a device that computes as IEEE 754 asks.");
 }
 
 void addBench(CLI::App& app, Options& options) {

@@ -1,6 +1,7 @@
 /// What the command line asked for, as plain values, checked: every number is in its range.
 #pragma once
 
+#include "measure/compare_bounds.hpp"
 #include "rays/types.hpp"
 #include "structures/structure.hpp"
 
@@ -46,6 +47,10 @@ struct Options {
     double minContribution = 1.0 / 512.0;  ///< MIN_CONTRIB: no ray that contributes less is traced
     uint32_t samples = 0;                  ///< a pixel; 0: the command's own default
 
+    // compare.
+    std::vector<Bound> bounds;  ///< of metrics; more than one of the same are all held to
+    double pixelsPerDegree = defaultPixelsPerDegree;
+
     // bench.
     uint32_t side = 1024;       ///< of the square picture whose rays are traced; a multiple of 8
     uint32_t repetitions = 7;   ///< of each measurement
@@ -61,7 +66,9 @@ struct Options {
     bool onlyControls = false;
     bool verbose = false;
     std::filesystem::path folder;  ///< for the page and its data; empty: none are written
-    std::filesystem::path junit;   ///< XML file to write; empty: none
+
+    // stress and compare.
+    std::filesystem::path junit;  ///< XML file to write; empty: none
 
     // trace.
     std::filesystem::path rays;

@@ -40,9 +40,15 @@ using Values = std::vector<std::pair<std::string_view, double>>;
 Values valuesOf(const PictureDifference& d) {
     // Agreement about nothing must not pass for agreement.
     const auto of = [&](double value) { return d.pixels > 0 ? value : std::numeric_limits<double>::quiet_NaN(); };
-    return {{"rmse", of(d.rmse)},          {"relmse", of(d.relmse)},    {"psnr", of(d.psnr)},
-            {"ssim", of(d.ssim)},          {"flip_mean", of(d.flipMean)}, {"flip_p99", of(d.flipP99)},
-            {"flip_max", of(d.flipMax)},   {"max", of(d.max)},          {"nan", static_cast<double>(d.nan)}};
+    return {{"rmse", of(d.rmse)},
+            {"relmse", of(d.relmse)},
+            {"psnr", of(d.psnr)},
+            {"ssim", of(d.ssim)},
+            {"flip_mean", of(d.flipMean)},
+            {"flip_p99", of(d.flipP99)},
+            {"flip_max", of(d.flipMax)},
+            {"max", of(d.max)},
+            {"nan", static_cast<double>(d.nan)}};
 }
 
 Values valuesOf(const SceneComparison& scene) {
@@ -74,7 +80,8 @@ std::vector<CheckedBound> check(std::span<const Bound> bounds, const Values& val
 
 /// Counts in full, all else in six digits.
 std::string textOf(double value) {
-    return value == std::floor(value) && std::abs(value) < 1e15 ? fmt::format("{:.0f}", value) : fmt::format("{:.6g}", value);
+    const bool isCount = value == std::floor(value) && std::abs(value) < 1e15;
+    return isCount ? fmt::format("{:.0f}", value) : fmt::format("{:.6g}", value);
 }
 
 std::string limitText(const Bound& bound) {
@@ -83,7 +90,9 @@ std::string limitText(const Bound& bound) {
 
 }  // namespace
 
-std::span<const CompareMetric> compareMetrics() { return metrics; }
+std::span<const CompareMetric> compareMetrics() {
+    return metrics;
+}
 
 std::vector<std::string_view> compareMetricNames(bool ofScenes) {
     std::vector<std::string_view> names;
@@ -120,7 +129,9 @@ bool CheckedBound::isKept() const {
     return bound.metric->largerIsBetter ? value >= bound.limit : value <= bound.limit;
 }
 
-std::string CheckedBound::text() const { return fmt::format("{} {}", bound.metric->name, limitText(bound)); }
+std::string CheckedBound::text() const {
+    return fmt::format("{} {}", bound.metric->name, limitText(bound));
+}
 
 std::string CheckedBound::failure() const {
     if (isKept()) return "";

@@ -11,9 +11,9 @@
 namespace raig {
 
 struct CompareMetric {
-    std::string_view name;       ///< of numbers within others: joined by _, but for `hits` and `pixels`, which stay unsaid
+    std::string_view name;  ///< of numbers within others: joined by _, but for `hits` and `pixels`, which stay unsaid
     bool largerIsBetter = false;
-    bool ofScenesOnly = false;   ///< two pictures have none
+    bool ofScenesOnly = false;  ///< two pictures have none
 };
 
 /// All there are, those of pictures first.
@@ -47,7 +47,7 @@ struct CheckedBound {
     std::string failure() const;
 };
 
-/// Bounds in their order. Of no pixel, what is measured of pixels is NaN. Requires, of pictures, that none is of scenes only.
+/// In the order of `bounds`. Of no pixel, what is measured of pixels is NaN. Pictures: requires bounds that they have.
 std::vector<CheckedBound> checkBounds(std::span<const Bound> bounds, const PictureDifference& pictures);
 std::vector<CheckedBound> checkBounds(std::span<const Bound> bounds, const SceneComparison& scene);
 

@@ -13,7 +13,9 @@ namespace raig {
 namespace {
 
 /// Zero or a denormal.
-bool isTiny(float value) { return std::abs(value) < std::numeric_limits<float>::min(); }
+bool isTiny(float value) {
+    return std::abs(value) < std::numeric_limits<float>::min();
+}
 
 bool isSame(const Hit& a, const Hit& b, bool denormalsAreZero) {
     const auto same = [&](float x, float y) {

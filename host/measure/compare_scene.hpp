@@ -55,9 +55,9 @@ std::optional<Placed<BitComparison::Difference>> firstBitDifference(std::span<co
 /// All that is said of a scene.
 struct SceneComparison {
     std::vector<RayFamily> families;
-    HitComparison all;                      ///< see sumOf
-    std::optional<BitComparison> bits;      ///< of all families, but for `first`
-    bool isIeee = false;                    ///< the device's arithmetic is measured to be: then no bit may differ
+    HitComparison all;                  ///< see sumOf
+    std::optional<BitComparison> bits;  ///< of all families, but for `first`
+    bool isIeee = false;                ///< the device's arithmetic is measured to be: then no bit may differ
     PictureComparison pixels;
     double discardedMean = 0.0;
     double discardedMax = 0.0;
