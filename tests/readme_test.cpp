@@ -5,11 +5,13 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -20,15 +22,31 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The arguments of each line "./run COMMAND ..." in the README's shell blocks, but for ./run test: this is one.
+/// What `line` runs in a shell block, or as a step of a YAML block; empty if that is not raig.
+std::string commandOf(const std::string& line, bool isYaml) {
+    std::string text = line;
+    if (isYaml) {
+        text.erase(0, std::min(text.find_first_not_of(' '), text.size()));
+        for (const std::string prefix : {"- ", "run: "})
+            if (text.starts_with(prefix)) text.erase(0, prefix.size());
+    }
+    if (!text.starts_with("./run ") || text.starts_with("./run test")) return "";
+    return text.substr(6, text.find(" > ") - 6);
+}
+
+/// The arguments of each command "./run COMMAND ..." in the README's shell and YAML blocks, once each, but for ./run test:
+/// this is one.
 std::vector<std::vector<std::string>> readmeCommands() {
     std::ifstream file(fs::path(RAIG_SOURCE_DIR) / "README.md");
     std::vector<std::vector<std::string>> commands;
-    bool inShell = false;
+    std::set<std::string> seen;
+    std::string block;
     for (std::string line; std::getline(file, line);) {
-        if (line.starts_with("```")) inShell = line == "```sh";
-        if (!inShell || !line.starts_with("./run ") || line.starts_with("./run test")) continue;
-        std::istringstream words(line.substr(6));
+        if (line.starts_with("```")) block = line;
+        if (block != "```sh" && block != "```yaml") continue;
+        const std::string command = commandOf(line, block == "```yaml");
+        if (command.empty() || !seen.insert(command).second) continue;
+        std::istringstream words(command);
         commands.emplace_back(std::istream_iterator<std::string>(words), std::istream_iterator<std::string>());
     }
     return commands;
@@ -54,7 +72,7 @@ TEST(Readme, EveryCommandOfItRuns) {
     writeRays("rays.npy", 10);
 
     const std::vector<std::vector<std::string>> commands = readmeCommands();
-    EXPECT_GE(commands.size(), 7u);
+    EXPECT_GE(commands.size(), 17u);
     for (const std::vector<std::string>& command : commands) {
         std::string line;
         for (const std::string& word : command) line += ' ' + word;
@@ -63,7 +81,7 @@ TEST(Readme, EveryCommandOfItRuns) {
         EXPECT_EQ(result.errors.find("error:"), std::string::npos) << "raig" << line << '\n' << result.errors;
     }
     for (const char* const file : {"out.png", "box.exr", "deep.png", "hits.npy", "difference.png", "again.png",
-                                 "report/index.html", "report/stress.json", "stress.xml"})
+                                 "report/index.html", "report/stress.json", "stress.xml", "pictures.xml", "compare.xml"})
         EXPECT_TRUE(fs::is_regular_file(file)) << file;
 
     fs::current_path(before);
