@@ -1,0 +1,84 @@
+// The page of `raig chart`: what it says, and in what order.
+#include "measure/chart_page_parts.hpp"
+#include "support/chart_documents.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace raig {
+namespace {
+
+size_t countOf(const std::string& text, const std::string& part) {
+    size_t count = 0;
+    for (size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size()) ++count;
+    return count;
+}
+
+TEST(ChartPage, NamesWhatFailsBeforeAnySpeed) {
+    const std::string page = chartPage(test::chartDocument());
+    const size_t speeds = page.find("id=\"pictures\"");
+    ASSERT_NE(speeds, std::string::npos);
+    for (const char* failure :
+         {"2 measurements lie where theory says they cannot", "rmse falls with spp by a slope of -0.4000", "rmse is 0.2",
+          "3 of 97,200 pixels are not finite", "Möller–Trumbore", "area lights", "a finer integrator"})
+        EXPECT_LT(page.find(failure), speeds) << failure;
+    EXPECT_LT(page.find("accumulated DDA"), page.find("Möller–Trumbore")) << "the worst comes first";
+    EXPECT_EQ(page.find("seconds on the device"), page.find("seconds on the device", speeds));
+    EXPECT_NE(page.find("4 configurations left out: the structure needs 3.2 GiB"), std::string::npos);
+}
+
+TEST(ChartPage, SaysHowManyLawsHeld) {
+    ChartDocument document = test::chartDocument();
+    document.figures[2].breaches.clear();
+    const std::string page = chartPage(document);
+    EXPECT_NE(page.find("4 laws of theory held"), std::string::npos);
+    EXPECT_EQ(page.find("where theory says"), std::string::npos);
+}
+
+TEST(ChartPage, IsThereWithoutAnyData) {
+    const std::string page = chartPage({});
+    EXPECT_NE(page.find("0 configurations measured"), std::string::npos);
+    EXPECT_EQ(page.find("held"), std::string::npos) << "nothing was measured, so nothing held";
+}
+
+TEST(ChartPage, EscapesWhatComesFromOutside) {
+    const std::string page = chartPage(test::chartDocument());
+    EXPECT_EQ(page.find("<img src=x"), std::string::npos);
+    EXPECT_EQ(countOf(page, "</script>"), 2u);
+    EXPECT_NE(page.find("&lt;/script&gt;&lt;img src=x"), std::string::npos);
+    EXPECT_NE(page.find("year 19??, Mesa"), std::string::npos);
+    EXPECT_NO_THROW(Json(page).dump()) << "it is UTF-8";
+    EXPECT_EQ(page::fileLink("../a b\".svg", "x"), "<a href=\"./..%2Fa%20b%22.svg\">x</a>");
+}
+
+TEST(ChartPage, WritesNumbersForReading) {
+    for (const auto& [value, text] : std::vector<std::pair<double, const char*>>{{0.0, "0"},
+                                                                                 {-0.0, "0"},
+                                                                                 {7.0, "7"},
+                                                                                 {1234567.0, "1,234,567"},
+                                                                                 {-1234.0, "−1,234"},
+                                                                                 {0.123456, "0.1235"},
+                                                                                 {9999.7, "10,000"},
+                                                                                 {123456.7, "123,457"},
+                                                                                 {0.0001, "0.0001"},
+                                                                                 {-1.2345e-5, "−1.234·10⁻⁵"},
+                                                                                 {1e-300, "1·10⁻³⁰⁰"},
+                                                                                 {9.9999e-5, "1·10⁻⁴"},
+                                                                                 {2e20, "2·10²⁰"},
+                                                                                 {NAN, "–"},
+                                                                                 {INFINITY, "–"}})
+        EXPECT_EQ(page::number(value), text) << value;
+    EXPECT_EQ(page::value(Json()), "–");
+}
+
+TEST(ChartPage, HoldsPicturesAsTheyAre) {
+    EXPECT_EQ(page::dataUri("a/b", std::string_view("")), "data:a/b;base64,");
+    EXPECT_EQ(page::dataUri("a/b", std::string_view("M")), "data:a/b;base64,TQ==");
+    EXPECT_EQ(page::dataUri("a/b", std::string_view("Ma")), "data:a/b;base64,TWE=");
+    EXPECT_EQ(page::dataUri("a/b", std::string_view("Man")), "data:a/b;base64,TWFu");
+    EXPECT_EQ(page::dataUri("a/b", std::string_view("\xfb\xff\xbe")), "data:a/b;base64,+/++");
+}
+
+}  // namespace
+}  // namespace raig
