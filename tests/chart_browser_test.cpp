@@ -41,7 +41,8 @@ protected:
 
     void write(const std::string& page) const { std::ofstream(file, std::ios::binary) << page; }
     void show(const BrowserView& view = {}) {
-        write(chartPage(test::chartDocument()));
+        static const std::string page = chartPage(test::chartDocument());
+        write(page);
         browser->open(file, view);
     }
     std::string complaints() const { return fmt::format("{}", fmt::join(browser->complaints(), "\n")); }
@@ -225,6 +226,7 @@ TEST_F(InBrowser, ShowsAllWithoutScript) {
             value("[...document.querySelectorAll('.cut, .picker, th button')].filter(e => e.checkVisibility()).length"), 0);
         click("#fig-methods summary");
         EXPECT_EQ(column("methods", 1).size(), 24u);
+        keep(fmt::format("{}_table", width));
         EXPECT_TRUE(value("document.querySelector('#fig-methods table').checkVisibility()"));
         EXPECT_LE(value("document.documentElement.scrollWidth"), width) << "tables scroll in boxes of their own";
     }

@@ -37,9 +37,34 @@ TEST(ChartPage, SaysHowManyLawsHeld) {
 }
 
 TEST(ChartPage, IsThereWithoutAnyData) {
-    const std::string page = chartPage({});
-    EXPECT_NE(page.find("0 configurations measured"), std::string::npos);
-    EXPECT_EQ(page.find("held"), std::string::npos) << "nothing was measured, so nothing held";
+    EXPECT_NE(chartPage({}).find("0 configurations measured"), std::string::npos);
+    ChartDocument document = test::chartDocument();
+    for (ChartFigure& figure : document.figures) {
+        figure.breaches.clear();
+        for (ChartPoint& point : figure.points) point.leftOut = "it takes too long";
+    }
+    const std::string page = chartPage(document);
+    EXPECT_NE(page.find("120 left out"), std::string::npos);
+    EXPECT_EQ(page.find(" held"), std::string::npos) << "nothing was measured, so nothing held";
+    EXPECT_EQ(page.find("Held"), std::string::npos);
+    EXPECT_EQ(page.find("Hit faults"), std::string::npos);
+}
+
+TEST(ChartPage, ShowsTheWorstOfAMethodOnAScene) {
+    ChartDocument document = test::chartDocument();
+    document.figures.resize(1);
+    ChartFigure& figure = document.figures[0];
+    figure.points.resize(4);
+    const double missed[] = {2.0, 31.5, 7.25, 0.0};
+    for (size_t i = 0; i < 4; ++i) {
+        figure.points[i].settings["label"] = i < 3 ? "a method" : "another";
+        figure.points[i].measures["missed"] = missed[i];
+    }
+    const std::string page = chartPage(document), part = page.substr(0, page.find("id=\"pictures\""));
+    EXPECT_NE(part.find(">31.5</td>"), std::string::npos);
+    EXPECT_EQ(part.find(">7.25</td>"), std::string::npos);
+    EXPECT_NE(part.find("data-value=\"3\">3</td>"), std::string::npos) << "configurations";
+    EXPECT_NE(part.find("1 pair of a method and a scene without a fault"), std::string::npos);
 }
 
 TEST(ChartPage, EscapesWhatComesFromOutside) {

@@ -59,16 +59,19 @@ std::vector<Faults> faultsOf(const ChartDocument& document) {
 }
 
 std::string faultTable(std::span<const Faults> all) {
+    const bool isOneEach =
+        std::all_of(all.begin(), all.end(), [](const Faults& faults) { return faults.configurations == 1; });
+    std::vector<std::string> columns{"method", "missed", "phantom", "wrong", "scene"};
+    if (!isOneEach) columns.emplace_back("configurations");
     std::vector<std::vector<page::Cell>> rows;
     for (const Faults& faults : all) {
         std::vector<page::Cell>& row = rows.emplace_back();
         row.emplace_back(Json(faults.method));
         for (const Json& one : faults.counts) row.emplace_back(one, one.is_number() && one.get<double>() > 0.0 ? "bad" : "");
         row.emplace_back(Json(faults.scene));
-        row.emplace_back(Json(faults.configurations));
+        if (!isOneEach) row.emplace_back(Json(faults.configurations));
     }
-    return page::table("Hit faults per million rays", {"method", "missed", "phantom", "wrong", "scene", "configurations"},
-                       rows);
+    return page::table("Hit faults per million rays", columns, rows);
 }
 
 std::string hitFaults(const ChartDocument& document) {
@@ -82,20 +85,17 @@ std::string hitFaults(const ChartDocument& document) {
     if (bad < all.size())
         markup += fmt::format("<details><summary>{} of a method and a scene without a fault</summary>\n{}</details>\n",
                               count(all.size() - bad, "pair"), faultTable(std::span(all).subspan(bad)));
-    return markup +
-           "<p class=\"soft note\">Missed: the ray hits something, and the method says it does not. Phantom: it hits "
-           "nothing, "
-           "and the "
-           "method says it does. Wrong: another place than where it hits. Of several configurations of a method the worst "
-           "is "
-           "shown. None in n rays means a rate below 3/n, with 95 % confidence.</p>\n";
+    return markup + R"(<p class="soft note">Missed: the ray hits something, and the method says it does not. Phantom: it hits
+nothing, and the method says it does. Wrong: another place than where it hits. Of several configurations of a method the
+worst is shown. None in n rays means a rate below 3/n, with 95 % confidence.</p>
+)";
 }
 
 std::string verdict(const ChartDocument& document) {
     size_t laws = 0, points = 0, leftOut = 0, missing = 0;
     std::set<std::string> scenes;
     for (const ChartFigure& figure : document.figures) {
-        laws += figure.sweep.laws.size();
+        if (page::hasMeasured(figure)) laws += figure.sweep.laws.size();
         missing += figure.sweep.missing.size();
         for (const ChartPoint& point : figure.points) {
             scenes.insert(point.scene);

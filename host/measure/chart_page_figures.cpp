@@ -108,7 +108,8 @@ std::string dataTable(const ChartFigure& figure) {
         if (isLeftOut) row.emplace_back(point.leftOut.empty() ? Json() : Json(point.leftOut), "reason");
     }
     std::string markup = table("Data of " + figure.sweep.title, columns, rows);
-    if (!held.empty()) markup += fmt::format("<p class=\"soft\">The same in all: {}.</p>\n", escapedMarkup(describe(held)));
+    if (!held.empty())
+        markup += fmt::format("<p class=\"soft note\">The same in all: {}.</p>\n", escapedMarkup(describe(held)));
     return markup;
 }
 
@@ -138,6 +139,7 @@ std::string lawsOf(const ChartFigure& figure) {
     for (const Breach& breach : figure.breaches)
         items += fmt::format("<li><b>{}</b>: {}</li>\n", escapedMarkup(breach.scene), escapedMarkup(breach.text));
     if (!items.empty()) return "<div class=\"broke\"><ul>\n" + items + "</ul></div>\n";
+    if (!hasMeasured(figure)) return "";
     std::vector<std::string> reasons;
     for (const Law& law : figure.sweep.laws)
         if (!law.because.empty() && std::find(reasons.begin(), reasons.end(), law.because) == reasons.end())
@@ -172,6 +174,10 @@ std::string pictures(const ChartPictures& pictures, size_t index) {
             "aria-label=\"Border between the device's picture of {} and the reference\"><div class=\"handle\"></div>\n",
             escapedMarkup(pictures.scene));
     return markup + "</div></div>\n" + numberList(pictures.numbers) + "</div>\n</section>\n";
+}
+
+bool hasMeasured(const ChartFigure& figure) {
+    return std::any_of(figure.points.begin(), figure.points.end(), [](const ChartPoint& p) { return p.leftOut.empty(); });
 }
 
 std::string figurePlace(const ChartFigure& figure) {

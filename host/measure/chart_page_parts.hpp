@@ -61,6 +61,9 @@ std::string pictures(const ChartPictures& pictures, size_t index);
 /// A figure: its panels, what broke, what is missing, its table. `index` counts from 0.
 std::string figure(const ChartFigure& figure, size_t index);
 
+/// Whether any of its configurations could be measured: laws about none have not held.
+bool hasMeasured(const ChartFigure& figure);
+
 /// Where figure() is on the page: "#fig-grid-density".
 std::string figurePlace(const ChartFigure& figure);
 

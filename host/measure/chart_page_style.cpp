@@ -12,14 +12,15 @@ body { padding: 2.5rem 1.5rem 4rem; max-width: 78rem; line-height: 1.55; overflo
 h1 { font-size: 2rem; line-height: 1.2; letter-spacing: -0.015em; margin: 0 0 0.75rem; }
 h2 { font-size: 1.4rem; letter-spacing: -0.01em; margin: 3.5rem 0 1rem; padding-top: 1.25rem;
   border-top: 1px solid var(--line); }
-h3 { font-size: 1.15rem; line-height: 1.35; margin: 0 0 0.4rem; } h4 { font-size: 1rem; margin: 1.5rem 0 0.4rem; }
+h3 { font-size: 1.15rem; line-height: 1.35; margin: 0 0 0.4rem; }
 h3 small { display: block; font-size: 0.8rem; font-weight: 600; letter-spacing: 0.04em; color: var(--soft); }
 p { margin: 0.5rem 0; } a { color: var(--accent); text-underline-offset: 0.15em; }
 a:not(:hover) { text-decoration-color: color-mix(in srgb, currentColor 40%, transparent); }
 :focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; border-radius: 3px; }
 .verdict { font-size: 1.25rem; margin: 0.25rem 0; }
 main > h3 { margin: 2rem 0 0.7rem; } .note { font-size: 0.875rem; }
-nav ol { display: flex; flex-wrap: wrap; gap: 0.3rem 1.4rem; margin: 1.5rem 0 0; padding: 0; list-style: none; font-size: 0.9rem; }
+nav ol { display: flex; flex-wrap: wrap; gap: 0.3rem 1.4rem; margin: 1.5rem 0 0; padding: 0; list-style: none;
+  font-size: 0.9rem; }
 nav li { margin: 0; }
 .broke { margin: 1rem 0; padding: 0.6rem 1rem; border-left: 3px solid var(--bad); border-radius: 0 6px 6px 0;
   background: var(--badband); }
@@ -36,7 +37,8 @@ th button::after { content: "↕"; padding-left: 0.3em; opacity: 0.35; font-weig
 th[aria-sort=ascending] button::after { content: "↑"; opacity: 1; }
 th[aria-sort=descending] button::after { content: "↓"; opacity: 1; } th[aria-sort] { color: var(--ink); }
 section { margin: 0 0 3.5rem; } figure { margin: 0; min-width: 0; }
-.panels { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 28rem), 1fr)); gap: 1.25rem; margin: 1.25rem 0 0.75rem; }
+.panels { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 28rem), 1fr)); gap: 1.25rem;
+  margin: 1.25rem 0 0.75rem; }
 .panels.one { max-width: 48rem; grid-template-columns: 1fr; }
 .panels figure { border: 1px solid var(--line); border-radius: 8px; box-shadow: var(--shadow); overflow: hidden; }
 .panels img { display: block; width: 100%; height: auto; aspect-ratio: 600 / 440; }
@@ -47,7 +49,8 @@ section { margin: 0 0 3.5rem; } figure { margin: 0; min-width: 0; }
 .views { display: grid; gap: 1rem 2rem; align-items: start; }
 .stage { display: grid; gap: 1rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr)); }
 .stage img { display: block; width: 100%; height: auto; border-radius: 6px; background: var(--band); }
-.stage img.small { image-rendering: pixelated; } .stage figcaption { padding: 0.3rem 0; font-size: 0.875rem; color: var(--soft); }
+.stage img.small { image-rendering: pixelated; }
+.stage figcaption { padding: 0.3rem 0; font-size: 0.875rem; color: var(--soft); }
 .scale { display: inline-block; width: 6rem; height: 0.7em; margin: 0 0.4em; border-radius: 2px;
   background: linear-gradient(90deg, #000004, #51127c, #b73779, #fc8961, #fcfdbf); }
 .numbers { margin: 0; grid-template-columns: max-content max-content; font-variant-numeric: tabular-nums; }
@@ -55,7 +58,8 @@ section { margin: 0 0 3.5rem; } figure { margin: 0; min-width: 0; }
 .cut, .handle, .picker { display: none; }
 .js .views.both { --cut: 50%; } .js .picker { display: inline-flex; margin: 0 0 0.75rem; border: 1px solid var(--line);
   border-radius: 8px; overflow: hidden; font-size: 0.875rem; }
-.picker label { padding: 0.3rem 0.9rem; cursor: pointer; color: var(--soft); } .picker input { position: absolute; opacity: 0; }
+.picker label { position: relative; padding: 0.3rem 0.9rem; cursor: pointer; color: var(--soft); }
+.picker input { position: absolute; opacity: 0; }
 .picker label + label { border-left: 1px solid var(--line); }
 .picker label:has(:checked) { background: var(--band); color: var(--ink); font-weight: 600; }
 .picker label:has(:focus-visible) { outline: 2px solid var(--accent); outline-offset: -2px; border-radius: 8px; }
@@ -67,18 +71,21 @@ section { margin: 0 0 3.5rem; } figure { margin: 0; min-width: 0; }
 .js .both .device figcaption { left: 0.6rem; } .js .both .reference figcaption { right: 0.6rem; }
 .js .both .difference { display: none; } .js .both .apart .difference { display: block; }
 .js .both .apart :is(.device, .reference, .cut, .handle) { display: none; }
-.js .both .cut { display: block; position: absolute; inset: 0 -10px; width: calc(100% + 20px); height: 100%; margin: 0; opacity: 0;
-  cursor: ew-resize; touch-action: pan-y; z-index: 3; }
+.js .both .cut { display: block; position: absolute; inset: 0 -10px; width: calc(100% + 20px); height: 100%; margin: 0;
+  opacity: 0; cursor: ew-resize; touch-action: pan-y; z-index: 3; }
 .cut::-webkit-slider-thumb { width: 20px; height: 100vh; } .cut::-moz-range-thumb { width: 20px; height: 100vh; border: 0; }
-.js .both .handle { display: block; position: absolute; inset: 0 auto 0 var(--cut); width: 2px; margin-left: -1px; background: #fff;
-  box-shadow: 0 0 0 1px #0005; pointer-events: none; z-index: 2; }
-.handle::after { content: "‹ ›"; position: absolute; top: 50%; left: 50%; translate: -50% -50%; width: 2.4rem; height: 2.4rem;
-  border-radius: 50%; background: #fff; color: #1c2024; box-shadow: 0 1px 4px #0008; font: 600 1.1rem/2.15rem system-ui, sans-serif;
-  text-align: center; letter-spacing: 0.1em; text-indent: 0.1em; white-space: nowrap; }
+.js .both .handle { display: block; position: absolute; inset: 0 auto 0 var(--cut); width: 2px; margin-left: -1px;
+  background: #fff; box-shadow: 0 0 0 1px #0005; pointer-events: none; z-index: 2; }
+.handle::after { content: "‹ ›"; position: absolute; top: 50%; left: 50%; translate: -50% -50%; width: 2.4rem;
+  height: 2.4rem; border-radius: 50%; background: #fff; color: #1c2024; box-shadow: 0 1px 4px #0008;
+  font: 600 1.1rem/2.15rem system-ui, sans-serif; text-align: center; letter-spacing: 0.1em; text-indent: 0.1em; white-space: nowrap; }
 .cut:focus-visible + .handle::after { outline: 3px solid var(--accent); outline-offset: 2px; }
 @media (min-width: 62rem) { .js .views.both { grid-template-columns: minmax(0, 48rem) 1fr; } }
 @media (max-width: 30rem) { body { padding: 1.25rem 0.75rem 3rem; } h1 { font-size: 1.6rem; } table { font-size: 0.8125rem; }
-  h2 { margin-top: 2.5rem; } .js .both .more { display: none; } .numbers { grid-template-columns: 1fr max-content; gap: 0.2rem 1rem; } th, td { padding: 0.3rem 0.45rem; } }
+  h2 { margin-top: 2.5rem; } .js .both .more { display: none; }
+  .numbers { grid-template-columns: 1fr max-content; gap: 0.2rem 1rem; } th, td { padding: 0.3rem 0.45rem; }
+  td:first-child { min-width: 7rem; max-width: 9rem; white-space: normal; overflow-wrap: anywhere; }
+  .panels { margin-inline: -0.75rem; } .panels figure { border-radius: 0; border-inline: 0; box-shadow: none; } }
 @media print { .wide { max-height: none; overflow: visible; } }
 )";
 

@@ -58,7 +58,8 @@ std::string drawn(const std::string& title, bool isDark, int seed) {
     std::string svg = fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" id=\"{}\" width=\"600\" height=\"440\" viewBox=\"0 0 600 440\">"
         "<rect width=\"600\" height=\"440\" fill=\"{}\"/><g fill=\"{}\" font-family=\"sans-serif\" font-size=\"15\">"
-        "<text x=\"300\" y=\"28\" text-anchor=\"middle\">{}</text><text x=\"320\" y=\"428\" "
+        "<text x=\"300\" y=\"28\" text-anchor=\"middle\">{}</text>"
+        "<text x=\"320\" y=\"428\" "
         "text-anchor=\"middle\">milliseconds</text>"
         "<text transform=\"translate(22 220) rotate(-90)\" text-anchor=\"middle\">missed + phantom per million</text></g>",
         isDark ? "dark" : "light", isDark ? "#16191c" : "#ffffff", ink, title);
