@@ -98,6 +98,8 @@ TEST_F(CompareFamilies, TheFirstRayOfTheLowestLevelIsNamed) {
     EXPECT_EQ(firstBitDifference(both)->difference.ray, 300u);
     EXPECT_EQ(sumOf(both).count(HitClass::missed), 3u);
     EXPECT_EQ(sumOfBits(both)->different, 3u);
+    EXPECT_EQ(sumOfBits(both)->otherIds, 3u);
+    EXPECT_EQ(sumOfBits(both)->tUlpMax, 0u);
 }
 
 // A tie is named only where nothing is worse, even of a higher level.
@@ -118,6 +120,8 @@ TEST_F(CompareFamilies, OneBitThatDiffersFromTheCpusIsFound) {
     });
     EXPECT_EQ(sumOf(families).faultCount(), 0u);
     EXPECT_EQ(sumOfBits(families)->different, 1u);
+    EXPECT_EQ(sumOfBits(families)->otherIds, 0u);
+    EXPECT_EQ(sumOfBits(families)->tUlpMax, 1u);
     const auto first = firstBitDifference(families);
     ASSERT_TRUE(first);
     EXPECT_EQ(first->family, "aimed");

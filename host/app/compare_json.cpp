@@ -86,6 +86,8 @@ Json bitsOf(const SceneComparison& scene) {
     if (!scene.bits) return nullptr;
     return {{"rays", scene.bits->rays},
             {"different", scene.bits->different},
+            {"other_ids", scene.bits->otherIds},
+            {"t_ulp_max", scene.bits->tUlpMax},
             {"ieee", scene.isIeee},
             {"first", toJson(firstBitDifference(scene.families))}};
 }

@@ -41,6 +41,10 @@ BitComparison compareBits(std::span<const Ray> rays, std::span<const Hit> device
     for (size_t i = 0; i < rays.size(); ++i) {
         if (isSame(device[i], cpu[i], denormalsAreZero)) continue;
         ++result.different;
+        if (device[i].primitive != cpu[i].primitive)
+            ++result.otherIds;
+        else if (std::isfinite(device[i].t) && std::isfinite(cpu[i].t))
+            result.tUlpMax = std::max(result.tUlpMax, ulpsApart(device[i].t, cpu[i].t));
         if (!result.first) result.first = {i, rays[i], device[i], cpu[i]};
     }
     return result;
@@ -96,6 +100,8 @@ std::optional<BitComparison> sumOfBits(std::span<const RayFamily> families) {
         if (!all) all.emplace();
         all->rays += family.bits->rays;
         all->different += family.bits->different;
+        all->otherIds += family.bits->otherIds;
+        all->tUlpMax = std::max(all->tUlpMax, family.bits->tUlpMax);
     }
     return all;
 }

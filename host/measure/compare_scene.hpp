@@ -16,6 +16,8 @@ struct BitComparison {
     };
     uint64_t rays = 0;
     uint64_t different = 0;  ///< another id, or other bits of t, u or v
+    uint64_t otherIds = 0;   ///< of those: another id, or a hit on one side only
+    uint64_t tUlpMax = 0;    ///< of the rest: how far t is off
     std::optional<Difference> first;
 };
 
