@@ -64,6 +64,10 @@ TEST(ChartPage, ShowsTheWorstOfAMethodOnAScene) {
     EXPECT_NE(part.find(">31.5</td>"), std::string::npos);
     EXPECT_EQ(part.find(">7.25</td>"), std::string::npos);
     EXPECT_NE(part.find("data-value=\"3\">3</td>"), std::string::npos) << "configurations";
+    figure.points[0].settings.erase("label");
+    figure.points[0].settings["accel"] = "grid";
+    figure.points[0].scene.clear();
+    EXPECT_NE(chartPage(document).find("<td class=\"what\">grid</td>"), std::string::npos) << "named by what tells it apart";
     EXPECT_NE(part.find("1 pair of a method and a scene without a fault"), std::string::npos);
 }
 
@@ -85,6 +89,9 @@ TEST(ChartPage, WritesNumbersForReading) {
                                                                                  {-1234.0, "−1,234"},
                                                                                  {0.123456, "0.1235"},
                                                                                  {9999.7, "10,000"},
+                                                                                 {4859.9, "4,860"},
+                                                                                 {999.97, "1,000"},
+                                                                                 {999.9, "999.9"},
                                                                                  {123456.7, "123,457"},
                                                                                  {0.0001, "0.0001"},
                                                                                  {-1.2345e-5, "−1.234·10⁻⁵"},
@@ -95,6 +102,12 @@ TEST(ChartPage, WritesNumbersForReading) {
                                                                                  {INFINITY, "–"}})
         EXPECT_EQ(page::number(value), text) << value;
     EXPECT_EQ(page::value(Json()), "–");
+}
+
+TEST(ChartPage, RaisesPowers) {
+    EXPECT_EQ(page::prose("10^6 & K^(N+1), 2^-5; x^y, 3^, ^(a^(b)"),
+              "10<sup>6</sup> &amp; K<sup>N+1</sup>, 2<sup>-5</sup>; x^y, 3^, ^(a<sup>b</sup>");
+    EXPECT_EQ(page::prose("^(<b>)"), "^(&lt;b&gt;)");
 }
 
 TEST(ChartPage, HoldsPicturesAsTheyAre) {

@@ -32,14 +32,23 @@ struct Faults {
     }
 };
 
+/// What a method is called: by its label or name, if it has one, else by the settings that tell it apart from others.
+std::string methodOf(const Json& settings, Json held) {
+    for (const char* name : {"label", "method"})
+        if (settings.contains(name) && settings[name].is_string()) return settings[name].get<std::string>();
+    held.erase("accel");
+    return page::describe(settings, held);
+}
+
 constexpr std::array faultNames = {"missed", "phantom", "wrong"};
 
 /// Of each method on each scene the configuration with the most; worst first.
 std::vector<Faults> faultsOf(const ChartDocument& document) {
     std::map<std::pair<std::string, std::string>, Faults> worst;
-    for (const ChartFigure& figure : document.figures)
+    for (const ChartFigure& figure : document.figures) {
+        const Json held = page::heldOf(figure.points);
         for (const ChartPoint& point : figure.points) {
-            Faults faults{point.scene, page::describe(point.settings), {}, 1};
+            Faults faults{point.scene, methodOf(point.settings, held), {}, 1};
             bool isMeasured = false;
             for (size_t i = 0; i < faultNames.size(); ++i) {
                 faults.counts[i] = page::member(point.measures, faultNames[i]);
@@ -52,6 +61,7 @@ std::vector<Faults> faultsOf(const ChartDocument& document) {
             if (faults.sum() > known->second.sum()) known->second = faults;
             known->second.configurations = faults.configurations;
         }
+    }
     std::vector<Faults> sorted;
     for (auto& [key, faults] : worst) sorted.push_back(std::move(faults));
     std::stable_sort(sorted.begin(), sorted.end(), [](const Faults& a, const Faults& b) { return a.sum() > b.sum(); });
@@ -66,9 +76,9 @@ std::string faultTable(std::span<const Faults> all) {
     std::vector<std::vector<page::Cell>> rows;
     for (const Faults& faults : all) {
         std::vector<page::Cell>& row = rows.emplace_back();
-        row.emplace_back(Json(faults.method));
+        row.emplace_back(faults.method);
         for (const Json& one : faults.counts) row.emplace_back(one, one.is_number() && one.get<double>() > 0.0 ? "bad" : "");
-        row.emplace_back(Json(faults.scene));
+        row.emplace_back(faults.scene);
         if (!isOneEach) row.emplace_back(Json(faults.configurations));
     }
     return page::table("Hit faults per million rays", columns, rows);
@@ -98,7 +108,7 @@ std::string verdict(const ChartDocument& document) {
         if (page::hasMeasured(figure)) laws += figure.sweep.laws.size();
         missing += figure.sweep.missing.size();
         for (const ChartPoint& point : figure.points) {
-            scenes.insert(point.scene);
+            if (!point.scene.empty()) scenes.insert(point.scene);
             ++(point.leftOut.empty() ? points : leftOut);
         }
     }
@@ -133,9 +143,8 @@ std::string broken(const ChartDocument& document) {
     std::string items;
     for (size_t i = 0; i < document.figures.size(); ++i)
         for (const Breach& breach : document.figures[i].breaches)
-            items +=
-                fmt::format("<li><a href=\"{}\">Figure {}</a>, <b>{}</b>: {}</li>\n", page::figurePlace(document.figures[i]),
-                            i + 1, escapedMarkup(breach.scene), escapedMarkup(breach.text));
+            items += fmt::format("<li><a href=\"{}\">Figure {}</a>, {}</li>\n", page::figurePlace(document.figures[i]),
+                                 i + 1, page::describe(breach));
     for (const ChartPictures& pictures : document.pictures)
         if (const Json nan = page::member(pictures.numbers, "nan"); nan.is_number() && nan.get<double>() > 0.0)
             items +=

@@ -72,37 +72,27 @@ void addNames(std::vector<std::string>& names, const Json& from) {
         if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
 }
 
-/// The settings that all points share, if there is more than one.
-Json heldOf(const std::vector<ChartPoint>& points) {
-    Json held = Json::object();
-    if (points.size() < 2) return held;
-    for (const auto& [name, content] : points.front().settings.items())
-        if (std::all_of(points.begin(), points.end(), [&name = name, &content = content](const ChartPoint& point) {
-                return point.settings.contains(name) && point.settings[name] == content;
-            }))
-            held[name] = content;
-    return held;
-}
-
 std::string dataTable(const ChartFigure& figure) {
     const Json held = heldOf(figure.points);
     std::vector<std::string> settings, measures = figure.sweep.measures;
-    bool isLeftOut = false;
+    bool isLeftOut = false, hasScene = false;
     for (const ChartPoint& point : figure.points) {
         addNames(settings, point.settings);
         if (figure.sweep.measures.empty()) addNames(measures, point.measures);
         isLeftOut |= !point.leftOut.empty();
+        hasScene |= !point.scene.empty();
     }
     std::erase_if(settings, [&](const std::string& name) { return held.contains(name); });
 
-    std::vector<std::string> columns{"scene"};
+    std::vector<std::string> columns;
+    if (hasScene) columns.emplace_back("scene");
     columns.insert(columns.end(), settings.begin(), settings.end());
     columns.insert(columns.end(), measures.begin(), measures.end());
-    if (isLeftOut) columns.push_back("left out");
+    if (isLeftOut) columns.emplace_back("left out");
     std::vector<std::vector<Cell>> rows;
     for (const ChartPoint& point : figure.points) {
         std::vector<Cell>& row = rows.emplace_back();
-        row.emplace_back(Json(point.scene));
+        if (hasScene) row.emplace_back(point.scene);
         for (const std::string& name : settings) row.emplace_back(member(point.settings, name));
         for (const std::string& name : measures) row.emplace_back(member(point.measures, name));
         if (isLeftOut) row.emplace_back(point.leftOut.empty() ? Json() : Json(point.leftOut), "reason");
@@ -136,15 +126,14 @@ std::string missingOf(const ChartFigure& figure) {
 
 std::string lawsOf(const ChartFigure& figure) {
     std::string items;
-    for (const Breach& breach : figure.breaches)
-        items += fmt::format("<li><b>{}</b>: {}</li>\n", escapedMarkup(breach.scene), escapedMarkup(breach.text));
+    for (const Breach& breach : figure.breaches) items += "<li>" + describe(breach) + "</li>\n";
     if (!items.empty()) return "<div class=\"broke\"><ul>\n" + items + "</ul></div>\n";
     if (!hasMeasured(figure)) return "";
     std::vector<std::string> reasons;
     for (const Law& law : figure.sweep.laws)
         if (!law.because.empty() && std::find(reasons.begin(), reasons.end(), law.because) == reasons.end())
             reasons.push_back(law.because);
-    for (const std::string& reason : reasons) items += (items.empty() ? "" : "; ") + escapedMarkup(reason);
+    for (const std::string& reason : reasons) items += (items.empty() ? "" : "; ") + prose(reason);
     return items.empty() ? "" : "<p class=\"good note\">✓ Held: " + items + ".</p>\n";
 }
 
@@ -188,7 +177,7 @@ std::string figure(const ChartFigure& figure, size_t index) {
     const Sweep& sweep = figure.sweep;
     std::string markup = fmt::format("<section class=\"figure\" id=\"{}\">\n<h3><small>Figure {}</small>{}</h3>\n",
                                      figurePlace(figure).substr(1), index + 1, escapedMarkup(sweep.title));
-    if (!sweep.text.empty()) markup += fmt::format("<p>{}</p>\n", escapedMarkup(sweep.text));
+    if (!sweep.text.empty()) markup += fmt::format("<p>{}</p>\n", prose(sweep.text));
     markup += lawsOf(figure);
     if (!figure.panels.empty()) {
         markup += fmt::format("<div class=\"panels{}\">\n", figure.panels.size() == 1 ? " one" : "");

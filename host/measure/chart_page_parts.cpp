@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
 
 namespace raig::page {
 
@@ -45,13 +46,14 @@ std::string joined(const std::string& first, const std::string& second) {
     return first.empty() || second.empty() ? first + second : first + " " + second;
 }
 
-std::string cellOf(const Cell& cell) {
+std::string cellOf(const Cell& cell, bool isAmongTexts) {
     // A number that is not finite sorts as null does, with which JSON says it.
     const bool isNumber = cell.content.is_number() && std::isfinite(cell.content.get<double>());
     const bool isText = cell.content.is_string() || cell.content.is_boolean();
     const std::string sorted = isNumber ? fmt::format(" data-value=\"{}\"", cell.content.get<double>()) : "";
-    const std::string kind = isNumber ? (cell.content.get<double>() == 0.0 ? "zero" : "") : isText ? "what" : "none";
-    return cellMarkup("td", joined(kind, cell.mark), sorted, value(cell.content));
+    const std::string kind = isNumber ? (cell.content.get<double>() == 0.0 ? "zero" : "") : isText ? "" : "none";
+    const std::string side = isAmongTexts ? "what" : "";
+    return cellMarkup("td", joined(joined(kind, side), cell.mark), sorted, value(cell.content));
 }
 
 }  // namespace
@@ -62,7 +64,7 @@ std::string number(double value) {
     const std::string sign = value < 0.0 ? "−" : "";
     const double size = std::abs(value);
     if (size >= 1e15 || size < 1e-4) return sign + scientific(size);
-    if (size == std::floor(size) || size >= 9999.5) return sign + grouped(fmt::format("{:.0f}", size));
+    if (size == std::floor(size) || size >= 999.95) return sign + grouped(fmt::format("{:.0f}", size));
     return sign + fmt::format("{:.4g}", size);
 }
 
@@ -110,18 +112,34 @@ std::string table(const std::string& label, const std::vector<std::string>& colu
     std::string markup = fmt::format(
         "<div class=\"wide\" role=\"region\" tabindex=\"0\" aria-label=\"{}\"><table class=\"sorts\"><thead><tr>",
         escapedMarkup(label));
+    std::vector<bool> hasText(columns.size());
     for (size_t i = 0; i < columns.size(); ++i) {
-        const bool hasText =
-            std::any_of(rows.begin(), rows.end(), [&](const auto& row) { return row[i].content.is_string(); });
-        markup += cellMarkup("th", hasText ? "what" : "", " scope=\"col\"", escapedMarkup(columns[i]));
+        hasText[i] = std::any_of(rows.begin(), rows.end(), [&](const auto& row) { return row[i].content.is_string(); });
+        markup += cellMarkup("th", hasText[i] ? "what" : "", " scope=\"col\"", escapedMarkup(columns[i]));
     }
     markup += "</tr></thead><tbody>\n";
     for (const std::vector<Cell>& row : rows) {
         markup += "<tr>";
-        for (const Cell& cell : row) markup += cellOf(cell);
+        for (size_t i = 0; i < columns.size(); ++i) markup += cellOf(row[i], hasText[i]);
         markup += "</tr>\n";
     }
     return markup + "</tbody></table></div>\n";
+}
+
+std::string prose(const std::string& text) {
+    static const std::regex power(R"(\^(?:\(([^()&]{1,40})\)|(-?[0-9]{1,9})))");
+    return std::regex_replace(escapedMarkup(text), power, "<sup>$1$2</sup>");
+}
+
+Json heldOf(const std::vector<ChartPoint>& points) {
+    Json held = Json::object();
+    if (points.size() < 2) return held;
+    for (const auto& [name, content] : points.front().settings.items())
+        if (std::all_of(points.begin(), points.end(), [&name = name, &content = content](const ChartPoint& point) {
+                return point.settings.contains(name) && point.settings[name] == content;
+            }))
+            held[name] = content;
+    return held;
 }
 
 std::string describe(const Json& settings, const Json& without) {
@@ -131,6 +149,10 @@ std::string describe(const Json& settings, const Json& without) {
         if (!without.contains(name))
             text += fmt::format("{}{}{}", text.empty() ? "" : ", ", name == "accel" ? "" : name + " ", plain(setting));
     return text;
+}
+
+std::string describe(const Breach& breach) {
+    return (breach.scene.empty() ? "" : "<b>" + escapedMarkup(breach.scene) + "</b>: ") + prose(breach.text);
 }
 
 }  // namespace raig::page

@@ -28,6 +28,9 @@ std::string value(const Json& value);
 /// The member of that name; null if there is none, or `object` is none.
 Json member(const Json& object, const std::string& name);
 
+/// Text as it may stand in the page, with "10^6" and "K^(N+1)" as people write them.
+std::string prose(const std::string& text);
+
 /// How much there is of something: "1 figure", "2 figures".
 std::string count(size_t many, std::string_view one);
 
@@ -40,8 +43,9 @@ std::string fileLink(const std::string& name, const std::string& text);
 
 /// Of a table.
 struct Cell {
-    Cell(const Json& content) : content(content) {}
-    Cell(const Json& content, std::string mark) : content(content), mark(std::move(mark)) {}
+    explicit Cell(const Json& content, std::string mark = "") : content(content), mark(std::move(mark)) {}
+    /// Empty text is shown as null is.
+    explicit Cell(const std::string& text) : content(text.empty() ? Json() : Json(text)) {}
 
     Json content;      ///< a number, a text, or null
     std::string mark;  ///< a class
@@ -52,8 +56,14 @@ struct Cell {
 std::string table(const std::string& label, const std::vector<std::string>& columns,
                   const std::vector<std::vector<Cell>>& rows);
 
+/// The settings that all points share, if there is more than one point.
+Json heldOf(const std::vector<ChartPoint>& points);
+
 /// Settings in words: "bvh, arity 4, walk links". What `without` has of them is left out.
 std::string describe(const Json& settings, const Json& without = Json::object());
+
+/// A breach as markup, with its scene if it is of one.
+std::string describe(const Breach& breach);
 
 /// The pictures of a scene: device against reference, and how they differ. `index` tells those of a page apart.
 std::string pictures(const ChartPictures& pictures, size_t index);

@@ -17,6 +17,7 @@ h3 small { display: block; font-size: 0.8rem; font-weight: 600; letter-spacing: 
 p { margin: 0.5rem 0; } a { color: var(--accent); text-underline-offset: 0.15em; }
 a:not(:hover) { text-decoration-color: color-mix(in srgb, currentColor 40%, transparent); }
 :focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; border-radius: 3px; }
+sup { line-height: 0; font-size: 0.7em; }
 .verdict { font-size: 1.25rem; margin: 0.25rem 0; }
 main > h3 { margin: 2rem 0 0.7rem; } .note { font-size: 0.875rem; }
 nav ol { display: flex; flex-wrap: wrap; gap: 0.3rem 1.4rem; margin: 1.5rem 0 0; padding: 0; list-style: none;
@@ -26,7 +27,7 @@ nav li { margin: 0; }
   background: var(--badband); }
 .broke ul, .missing ul { margin: 0; } .missing { margin: 1rem 0; padding: 0.6rem 1rem; border-left: 3px solid var(--line);
   border-radius: 0 6px 6px 0; background: var(--band); font-size: 0.9rem; } .missing li, .broke li { margin: 0.2rem 0; }
-.wide { max-height: 34rem; overflow: auto; } th.what, td.what { text-align: left; } td.none { color: var(--soft); }
+.wide { overflow: auto; } details .wide { max-height: 34rem; } th.what, td.what { text-align: left; } td.none { color: var(--soft); }
 thead th { position: sticky; top: 0; z-index: 1; vertical-align: bottom; } thead th:first-child { z-index: 2; }
 details { border: 0; } details .wide { margin: 0.3rem 0 0.8rem; }
 summary { color: var(--soft); font-size: 0.9rem; } summary:hover { color: var(--ink); }
