@@ -52,14 +52,14 @@ public:
                 progress_("making rays", share());
                 const MeasuringCamera camera = measuringCamera(geometry_, geometry_.bounds);
                 sets_ = makeRaySets(geometry_, geometry_.bounds, camera, settings_.side, *walked->cpu);
-                robust_ = EmbreePeer::make(geometry_, /* robust= */ true);
+                measuresPeers_ = embree_ && embree_->makeRobust(geometry_);
             }
             for (const Batch& batch : batches()) {
                 progress_(name + ": " + batch.name, share());
                 ++stepsDone_;
                 if (!batch.rays.empty()) measure(*walked, batch);
             }
-            robust_ = nullptr;  // measured
+            measuresPeers_ = false;  // but once
         }
         return std::move(report_);
     }
@@ -110,13 +110,14 @@ private:
         uint64_t embreeHits = 0;
         for (uint32_t i = 0; i < warmUps + settings_.repetitions; ++i) {
             for (Entrant& entrant : entrants) {
-                const double embree = embree_ ? traceEmbree(*embree_, batch, Width::single, embreeHits).seconds : 0.0;
+                const EmbreePeer::Traced embree = embree_ ? embree_->trace(batch.rays, batch.query) : EmbreePeer::Traced{};
+                embreeHits = embree.hits;
                 const TraceReport report = entrant.trace(entrant.result.hits);
                 if (i < warmUps) continue;
                 entrant.seconds.push_back(report.seconds);
                 if (report.deviceSeconds > 0.0) entrant.deviceSeconds.push_back(report.deviceSeconds);
-                entrant.embreeSeconds.push_back(embree);
-                entrant.ratios.push_back(embree / report.seconds);
+                entrant.embreeSeconds.push_back(embree.seconds);
+                entrant.ratios.push_back(embree.seconds / report.seconds);
             }
         }
         for (Entrant& entrant : entrants) {
@@ -129,24 +130,21 @@ private:
         }
     }
 
-    using Width = EmbreePeer::Width;
-    static TraceReport traceEmbree(EmbreePeer& embree, const Batch& batch, Width width, uint64_t& hits) {
-        const EmbreePeer::Traced traced = embree.trace(batch.rays, batch.query, width);
-        hits = traced.hits;
-        TraceReport report;
-        report.seconds = traced.seconds;
-        return report;
-    }
-
-    /// Nothing once they are measured.
     std::vector<Entrant> waysOfEmbree(const Batch& batch) {
+        using Width = EmbreePeer::Width;
         std::vector<Entrant> entrants;
-        if (!embree_ || !robust_) return entrants;
+        if (!measuresPeers_) return entrants;
         for (const Width width : {Width::single, batch.coherent ? Width::coherentPacket8 : Width::packet8})
-            for (EmbreePeer* const peer : {embree_.get(), robust_.get()}) {
+            for (const bool robust : {false, true}) {
                 const std::string way = width == Width::single ? "single" : "packet8";
-                entrants.push_back({resultOf(embreeName, way + (peer == robust_.get() ? " robust" : ""), nullptr, batch),
-                                    [=](uint64_t& hits) { return traceEmbree(*peer, batch, width, hits); }});
+                entrants.push_back({resultOf(embreeName, way + (robust ? " robust" : ""), nullptr, batch),
+                                    [this, &batch, width, robust](uint64_t& hits) {
+                                        const auto traced = embree_->trace(batch.rays, batch.query, width, robust);
+                                        hits = traced.hits;
+                                        TraceReport report;
+                                        report.seconds = traced.seconds;
+                                        return report;
+                                    }});
             }
         return entrants;
     }
@@ -186,7 +184,8 @@ private:
     const std::function<void(const std::string&, double)>& progress_;
     std::vector<Primitive> primitives_;
     std::vector<std::unique_ptr<Device>> devices_;  ///< none: the CPU path
-    std::unique_ptr<EmbreePeer> embree_, robust_;
+    std::unique_ptr<EmbreePeer> embree_;
+    bool measuresPeers_ = false;
     RaySets sets_;
     BenchReport report_;
     size_t stepsDone_ = 0;

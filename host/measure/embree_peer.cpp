@@ -1,5 +1,6 @@
 #include "measure/embree_peer.hpp"
 
+#include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "base/threads.hpp"
 
@@ -18,11 +19,12 @@ namespace raig {
 
 struct EmbreePeer::State {
     RTCDevice device = nullptr;
-    RTCScene scene = nullptr;
+    RTCScene scene = nullptr, robust = nullptr;
     std::vector<RTCRayHit8> rays;  // or eight RTCRayHit in the place of each; Embree writes into them, so they are made anew
 
     ~State() {
         if (scene) rtcReleaseScene(scene);
+        if (robust) rtcReleaseScene(robust);
         if (device) rtcReleaseDevice(device);
     }
 };
@@ -149,42 +151,57 @@ std::vector<uvec3> trianglesOnly(const Geometry& geometry) {
     return triangles;
 }
 
-}  // namespace
-
-std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry& geometry, bool robust) {
-    auto state = std::make_unique<State>();
-    state->device = rtcNewDevice(fmt::format("threads={}", threadCount()).c_str());
-    if (!state->device) return nullptr;
-    const Clock::time_point start = Clock::now();
-    state->scene = rtcNewScene(state->device);
-    rtcSetSceneFlags(state->scene, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+/// Null where Embree cannot.
+RTCScene makeScene(RTCDevice device, const Geometry& geometry, RTCSceneFlags flags) {
+    const RTCScene scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, flags);
     if (geometry.triangleCount() > 0) {
-        RTCGeometry triangles = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        RTCGeometry triangles = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
         fillBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, geometry.positions);
         if (geometry.spheres.empty())
             fillBuffer(triangles, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, geometry.triangles);
         else
             fillBuffer(triangles, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, trianglesOnly(geometry));
-        attach(triangles, state->scene);
+        attach(triangles, scene);
     }
     if (!geometry.spheres.empty()) {
         static_assert(sizeof(Sphere) == 4 * sizeof(float), "centre and radius, as Embree has them");
-        RTCGeometry spheres = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+        RTCGeometry spheres = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
         fillBuffer(spheres, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, geometry.spheres);
-        attach(spheres, state->scene);
+        attach(spheres, scene);
     }
-    rtcSetSceneBuildQuality(state->scene, RTC_BUILD_QUALITY_MEDIUM);
-    rtcCommitScene(state->scene);
-    if (rtcGetDeviceError(state->device) != RTC_ERROR_NONE) return nullptr;
+    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
+    rtcCommitScene(scene);
+    if (rtcGetDeviceError(device) == RTC_ERROR_NONE) return scene;
+    rtcReleaseScene(scene);
+    return nullptr;
+}
+
+}  // namespace
+
+std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry& geometry) {
+    auto state = std::make_unique<State>();
+    state->device = rtcNewDevice(fmt::format("threads={}", threadCount()).c_str());
+    if (!state->device) return nullptr;
+    const Clock::time_point start = Clock::now();
+    state->scene = makeScene(state->device, geometry, RTC_SCENE_FLAG_NONE);
+    if (!state->scene) return nullptr;
     return std::unique_ptr<EmbreePeer>(new EmbreePeer(std::move(state), secondsSince(start)));
 }
 
-EmbreePeer::Traced EmbreePeer::trace(std::span<const Ray> rays, Query query, Width width) {
+bool EmbreePeer::makeRobust(const Geometry& geometry) {
+    if (!state_->robust) state_->robust = makeScene(state_->device, geometry, RTC_SCENE_FLAG_ROBUST);
+    return state_->robust != nullptr;
+}
+
+EmbreePeer::Traced EmbreePeer::trace(std::span<const Ray> rays, Query query, Width width, bool robust) {
+    const RTCScene scene = robust ? state_->robust : state_->scene;
+    RAIG_CHECK(scene != nullptr);
     const size_t packets = (rays.size() + raig::width - 1) / raig::width;
     if (state_->rays.size() < packets) state_->rays.resize(packets);
     if (width == Width::single)
-        return traceSingles(state_->scene, {reinterpret_cast<RTCRayHit*>(state_->rays.data()), rays.size()}, rays, query);
-    return tracePackets(state_->scene, std::span(state_->rays).first(packets), rays, query,
+        return traceSingles(scene, {reinterpret_cast<RTCRayHit*>(state_->rays.data()), rays.size()}, rays, query);
+    return tracePackets(scene, std::span(state_->rays).first(packets), rays, query,
                         width == Width::coherentPacket8);
 }
 
@@ -196,8 +213,9 @@ std::optional<std::string> embreeVersion() {
 
 struct EmbreePeer::State {};
 
-std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry&, bool) { return nullptr; }
-EmbreePeer::Traced EmbreePeer::trace(std::span<const Ray>, Query, Width) { return {}; }
+std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry&) { return nullptr; }
+bool EmbreePeer::makeRobust(const Geometry&) { return false; }
+EmbreePeer::Traced EmbreePeer::trace(std::span<const Ray>, Query, Width, bool) { return {}; }
 std::optional<std::string> embreeVersion() { return std::nullopt; }
 
 #endif

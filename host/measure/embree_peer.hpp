@@ -15,13 +15,16 @@ namespace raig {
 /// One scene in Embree, of medium build quality.
 class EmbreePeer {
 public:
-    /// Builds over the scene's triangles and spheres with as many threads as oneTBB may use. `robust`: with Embree's scene
-    /// flag of that name, which leaves fewer gaps between triangles. Nothing where raig was built without Embree, or Embree
-    /// cannot.
-    static std::unique_ptr<EmbreePeer> make(const Geometry& geometry, bool robust = false);
+    /// Builds over the scene's triangles and spheres with as many threads as oneTBB may use. Nothing where raig was built
+    /// without Embree, or Embree cannot.
+    static std::unique_ptr<EmbreePeer> make(const Geometry& geometry);
     ~EmbreePeer();
 
     double buildSeconds() const { return buildSeconds_; }
+
+    /// Builds a second time, with Embree's scene flag "robust", which leaves fewer gaps between triangles. False where Embree
+    /// cannot.
+    bool makeRobust(const Geometry& geometry);
 
     /// How rays are handed over: one by one, by rtcIntersect1 (closest) or rtcOccluded1 (any); or eight at once, in the order
     /// they have, by rtcIntersect8 or rtcOccluded8. Embree walks packets in another way where it is told that they are
@@ -32,8 +35,8 @@ public:
         uint64_t hits;
     };
     /// Traces the rays over all threads. They are copied into Embree's own layout before, which is not timed. Memory: 80
-    /// bytes a ray, kept.
-    Traced trace(std::span<const Ray> rays, Query query, Width width = Width::single);
+    /// bytes a ray, kept: all ways use the same, as packets are as fast as their memory. `robust` requires makeRobust().
+    Traced trace(std::span<const Ray> rays, Query query, Width width = Width::single, bool robust = false);
 
 private:
     struct State;
