@@ -205,8 +205,8 @@ TEST(Embree, FindsTheSameHoweverItIsAsked) {
     const Structure structure = structureType("brute").build(primitivesOf(g), {});
     std::vector<Hit> hits(rays.size());
     makeCpuTracer(structure)->trace(rays, hits, Query::closest);
-    const auto count = static_cast<uint64_t>(
-        std::ranges::count_if(hits, [](const Hit& hit) { return hit.primitive != NO_HIT; }));
+    const auto count =
+        static_cast<uint64_t>(std::ranges::count_if(hits, [](const Hit& hit) { return hit.primitive != NO_HIT; }));
     ASSERT_GT(count, 100u);
     ASSERT_LT(count, rays.size());
     using Width = EmbreePeer::Width;

@@ -32,7 +32,9 @@ Devices chooseDevices(const Options& options) {
     return devices;
 }
 
-std::string nameOf(const std::optional<DeviceInfo>& info) { return info ? info->name : "cpu"; }
+std::string nameOf(const std::optional<DeviceInfo>& info) {
+    return info ? info->name : "cpu";
+}
 
 /// Which peers there are, and why not.
 Json peersOf(const Devices& devices) {
@@ -43,11 +45,10 @@ Json peersOf(const Devices& devices) {
         peers["embree"]["version"] = *embree;
     else
         peers["embree"]["why"] = "raig was built without Embree";
-    const bool hasRayQuery =
-        std::ranges::any_of(devices, [](const auto& info) { return info && info->features.rayQuery; });
-    peers["driver"] = {{"measured", false},
-                       {"why", hasRayQuery ? "raig does not use a driver's VK_KHR_ray_query yet"
-                                           : "no device here has VK_KHR_ray_query"}};
+    const bool hasRayQuery = std::ranges::any_of(devices, [](const auto& info) { return info && info->features.rayQuery; });
+    peers["driver"] = {
+        {"measured", false},
+        {"why", hasRayQuery ? "raig does not use a driver's VK_KHR_ray_query yet" : "no device here has VK_KHR_ray_query"}};
     return peers;
 }
 
@@ -105,8 +106,11 @@ ExitCode compareWith(const BenchBaseline& baseline, const Options& options, Json
     const std::vector<BenchChange> changes = baseline.changes(document);
     const auto slower =
         std::ranges::count_if(changes, [&](const BenchChange& c) { return c.factor() * options.slower < 1.0; });
-    document["baseline"] = {{"file", options.baseline.string()}, {"commit", baseline.commit()}, {"slower", slower},
-                            {"allowed_factor", options.slower}, {"changes", toJson(changes)}};
+    document["baseline"] = {{"file", options.baseline.string()},
+                            {"commit", baseline.commit()},
+                            {"slower", slower},
+                            {"allowed_factor", options.slower},
+                            {"changes", toJson(changes)}};
     if (!options.json) {
         fmt::print("against {}, of commit {}\n", options.baseline.string(), baseline.commit());
         printChanges(changes, options.slower);

@@ -27,7 +27,8 @@ std::optional<double> medianOf(const Json& row, const char* key) {
 /// What a row is of: rows of two runs are comparable where this is the same.
 std::string subjectOf(const Json& row) {
     Json subject = Json::array();
-    for (const char* const key : {"scene", "triangles", "structure", "options", "device", "threads", "rays", "query", "count"})
+    for (const char* const key :
+         {"scene", "triangles", "structure", "options", "device", "threads", "rays", "query", "count"})
         subject.push_back(row.at(key));
     return subject.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -77,8 +78,8 @@ std::vector<BenchChange> BenchBaseline::changes(const Json& document) const {
         if (found == rows_.end()) return;
         const Row& before = found->second;
         const std::optional<double> ratio = medianOf(row, "ratio_to_embree"), megaRays = medianOf(row, "mrays_per_s");
-        BenchChange change{row.at("scene"), row.at("structure"), row.at("options"), row.at("device"), row.at("rays"),
-                           row.at("query")};
+        BenchChange change{row.at("scene"),  row.at("structure"), row.at("options"),
+                           row.at("device"), row.at("rays"),      row.at("query")};
         if (before.ratio && ratio) {
             change.isRatio = true;
             change.before = *before.ratio;
@@ -92,9 +93,10 @@ std::vector<BenchChange> BenchBaseline::changes(const Json& document) const {
         changes.push_back(change);
     });
     if (changes.empty())
-        throw inputError(file_.string(),
-                         "it has nothing in common with this run: of a row, scene, structure, options, device, threads, rays "
-                         "and their number must be the same");
+        throw inputError(
+            file_.string(),
+            "it has nothing in common with this run: of a row, scene, structure, options, device, threads, rays "
+            "and their number must be the same");
     return changes;
 }
 
@@ -115,8 +117,8 @@ Json toJson(const std::vector<BenchChange>& changes) {
 }
 
 void printChanges(const std::vector<BenchChange>& changes, double slower) {
-    fmt::print("{:28} {:10} {:11} {:9} {:8} {:15} {:>9} {:>9} {:>9}\n", "scene", "structure", "device", "rays", "query",
-               "", "before", "now", "factor");
+    fmt::print("{:28} {:10} {:11} {:9} {:8} {:15} {:>9} {:>9} {:>9}\n", "scene", "structure", "device", "rays", "query", "",
+               "before", "now", "factor");
     for (const BenchChange& c : changes)
         fmt::print("{:28.28} {:10} {:11.11} {:9} {:8} {:15} {:>9.3f} {:>9.3f} {:>9.3f}{}\n", c.scene, c.structure,
                    c.device.substr(0, c.device.find(' ')), c.rays, c.query, c.isRatio ? "of Embree's" : "Mrays/s", c.before,

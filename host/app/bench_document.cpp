@@ -18,7 +18,9 @@ Json toJson(const std::optional<Quartiles>& q) {
     return {{"median", q->median}, {"q1", q->q1}, {"q3", q->q3}};
 }
 
-const char* nameOf(Query query) { return query == Query::any ? "any" : "closest"; }
+const char* nameOf(Query query) {
+    return query == Query::any ? "any" : "closest";
+}
 
 double perTriangle(uint64_t bytes, const SceneBenches& benches) {
     return static_cast<double>(bytes) / static_cast<double>(std::max<uint64_t>(benches.triangles, 1));
@@ -29,7 +31,9 @@ std::string ratioText(const std::optional<Quartiles>& q) {
 }
 
 /// The part of a name that fits, which for devices is the one that tells them apart.
-std::string shortened(const std::string& name, size_t length) { return name.substr(0, std::min(name.find(' '), length)); }
+std::string shortened(const std::string& name, size_t length) {
+    return name.substr(0, std::min(name.find(' '), length));
+}
 
 void printBuilds(const SceneBenches& benches) {
     fmt::print("{:10} {:24} {:>10} {:>25} {:>12} {:>9}\n", "structure", "walk", "build s", "of Embree's", "bytes/tri",
@@ -43,9 +47,9 @@ void printResult(const BenchResult& r) {
     std::string counted;
     if (r.counters) {
         const auto perRay = [&](uint64_t all) { return static_cast<double>(all) / static_cast<double>(r.count); };
-        counted = fmt::format(" {:>7.1f} {:>7.1f} {:>6.2f} {:>6.2f}", perRay(r.counters->nodeFetches),
-                              perRay(r.counters->boxTests), perRay(r.counters->triangleTests),
-                              perRay(r.counters->linkReads));
+        counted =
+            fmt::format(" {:>7.1f} {:>7.1f} {:>6.2f} {:>6.2f}", perRay(r.counters->nodeFetches),
+                        perRay(r.counters->boxTests), perRay(r.counters->triangleTests), perRay(r.counters->linkReads));
     }
     fmt::print("  {:8} {:22.22} {:11} {:>8.2f} {:>8} {:>20} {:>8}{}\n", r.structure, r.walk, shortened(r.device, 11),
                r.megaRays.median, r.deviceMegaRays ? fmt::format("{:.2f}", r.deviceMegaRays->median) : "-",
@@ -91,9 +95,9 @@ void printTables(const SceneBenches& benches) {
     std::vector<const BenchResult*> rows;
     for (const BenchResult& r : benches.report.results) rows.push_back(&r);
     const auto setOf = [&](const BenchResult* r) {  // its place among the first of each set
-        return std::ranges::find_if(rows, [&](const BenchResult* other) {
-                   return other->rays == r->rays && other->query == r->query;
-               }) - rows.begin();
+        return std::ranges::find_if(
+                   rows, [&](const BenchResult* other) { return other->rays == r->rays && other->query == r->query; }) -
+               rows.begin();
     };
     std::vector<std::pair<std::ptrdiff_t, const BenchResult*>> bySet;
     for (const BenchResult* r : rows) bySet.emplace_back(setOf(r), r);
@@ -101,8 +105,8 @@ void printTables(const SceneBenches& benches) {
 
     fmt::print("{}, {} triangles, {} threads\n", benches.scene, benches.triangles, threadCount());
     printBuilds(benches);
-    fmt::print("\n{:45} {:>8} {:>8} {:>20} {:>8} {:>7} {:>7} {:>6} {:>6}\n", "", "Mrays/s", "its own", "of Embree's",
-               "", "visits", "boxes", "tests", "links");
+    fmt::print("\n{:45} {:>8} {:>8} {:>20} {:>8} {:>7} {:>7} {:>6} {:>6}\n", "", "Mrays/s", "its own", "of Embree's", "",
+               "visits", "boxes", "tests", "links");
     fmt::print("{:45} {:>8} {:>8} {:>20} {:>8} {:>29}\n", "rays", "by wall", "clock", "single", "hits", "a ray");
     std::ptrdiff_t last = -1;
     for (const auto& [set, r] : bySet) {

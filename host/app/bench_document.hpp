@@ -11,7 +11,7 @@ namespace raig {
 
 /// What was measured of one scene.
 struct SceneBenches {
-    std::string scene;  ///< the name of its file
+    std::string scene;       ///< the name of its file
     uint64_t triangles = 0;  ///< spheres among them
     std::string options;     ///< of the structures, as given
     BenchReport report;

@@ -8,7 +8,9 @@
 
 namespace raig {
 
-size_t threadCount() { return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism); }
+size_t threadCount() {
+    return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+}
 
 struct FewerProcessors::Processors {
     cpu_set_t set;

@@ -6,12 +6,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 namespace raig {
 
 namespace {
 
 constexpr uint32_t warmUps = 2;
+constexpr double shortest = 0.02;   // seconds: a pair of runs that takes less is repeated, as others may have the processor
+constexpr double mostTimes = 20.0;  // it is
 constexpr double longBuild = 10.0;  // seconds: what takes so long is not noise
 
 /// One set of rays, and what they are asked for.
@@ -27,6 +30,7 @@ struct Entrant {
     BenchResult result;
     std::function<TraceReport(uint64_t& hits)> trace;
     std::vector<double> seconds = {}, deviceSeconds = {}, embreeSeconds = {}, ratios = {};
+    uint32_t times = 1;  ///< it runs for one measurement
 };
 
 /// One structure, walked on each device.
@@ -67,10 +71,10 @@ public:
 private:
     std::vector<Batch> batches() const {
         std::vector<Batch> all;
-        for (const Batch& batch : {Batch{"primary", sets_.primary, Query::closest, true},
-                                   Batch{"shadow", sets_.shadow, Query::any, true},
-                                   Batch{"diffuse", sets_.diffuse, Query::closest, false},
-                                   Batch{"specular", sets_.specular, Query::closest, true}}) {
+        for (const Batch& batch :
+             {Batch{"primary", sets_.primary, Query::closest, true}, Batch{"shadow", sets_.shadow, Query::any, true},
+              Batch{"diffuse", sets_.diffuse, Query::closest, false},
+              Batch{"specular", sets_.specular, Query::closest, true}}) {
             all.push_back(batch);
             const Query other = batch.query == Query::any ? Query::closest : Query::any;
             if (settings_.bothQueries) all.push_back({batch.name, batch.rays, other, batch.coherent});
@@ -78,9 +82,7 @@ private:
         return all;
     }
 
-    double share() const {
-        return double(stepsDone_) / (double(settings_.structures.size()) * double(batches().size()));
-    }
+    double share() const { return double(stepsDone_) / (double(settings_.structures.size()) * double(batches().size())); }
 
     std::unique_ptr<Walked> build(const std::string& name) {
         auto walked = std::make_unique<Walked>();
@@ -103,31 +105,43 @@ private:
         return walked;
     }
 
-    /// Each entrant right after Embree, one entrant after the other, and all that again.
+    /// Each entrant in turn with Embree, one entrant after the other, and all that again.
     void measure(Walked& walked, const Batch& batch) {
         std::vector<Entrant> entrants = waysOfEmbree(batch);
         addWalks(walked, batch, entrants);
         uint64_t embreeHits = 0;
-        for (uint32_t i = 0; i < warmUps + settings_.repetitions; ++i) {
+        for (uint32_t i = 0; i < warmUps + settings_.repetitions; ++i)
             for (Entrant& entrant : entrants) {
-                const EmbreePeer::Traced embree = embree_ ? embree_->trace(batch.rays, batch.query) : EmbreePeer::Traced{};
-                embreeHits = embree.hits;
-                const TraceReport report = entrant.trace(entrant.result.hits);
-                if (i < warmUps) continue;
-                entrant.seconds.push_back(report.seconds);
-                if (report.deviceSeconds > 0.0) entrant.deviceSeconds.push_back(report.deviceSeconds);
-                entrant.embreeSeconds.push_back(embree.seconds);
-                entrant.ratios.push_back(embree.seconds / report.seconds);
+                double embree = 0.0, own = 0.0, device = 0.0;
+                for (uint32_t k = 0; k < entrant.times; ++k) {
+                    if (embree_) {
+                        const EmbreePeer::Traced traced = embree_->trace(batch.rays, batch.query);
+                        embree += traced.seconds / entrant.times;
+                        embreeHits = traced.hits;
+                    }
+                    const TraceReport report = entrant.trace(entrant.result.hits);
+                    own += report.seconds / entrant.times;
+                    device += report.deviceSeconds / entrant.times;
+                }
+                if (i < warmUps) {
+                    entrant.times = static_cast<uint32_t>(std::clamp(std::ceil(shortest / (embree + own)), 1.0, mostTimes));
+                    continue;
+                }
+                entrant.seconds.push_back(own);
+                entrant.deviceSeconds.push_back(device);
+                entrant.embreeSeconds.push_back(embree);
+                entrant.ratios.push_back(embree / own);
             }
-        }
-        for (Entrant& entrant : entrants) {
-            BenchResult& result = entrant.result;
-            result.megaRays = megaRaysOf(entrant.seconds, result.count);
-            if (!entrant.deviceSeconds.empty()) result.deviceMegaRays = megaRaysOf(entrant.deviceSeconds, result.count);
-            if (embree_) result.toEmbree = {megaRaysOf(entrant.embreeSeconds, result.count), quartilesOf(entrant.ratios),
-                                            embreeHits};
-            report_.results.push_back(std::move(result));
-        }
+        for (Entrant& entrant : entrants) report_.results.push_back(summary(entrant, embreeHits));
+    }
+
+    BenchResult summary(Entrant& entrant, uint64_t embreeHits) const {
+        BenchResult result = std::move(entrant.result);
+        result.megaRays = megaRaysOf(entrant.seconds, result.count);
+        if (entrant.deviceSeconds.front() > 0.0) result.deviceMegaRays = megaRaysOf(entrant.deviceSeconds, result.count);
+        if (embree_)
+            result.toEmbree = {megaRaysOf(entrant.embreeSeconds, result.count), quartilesOf(entrant.ratios), embreeHits};
+        return result;
     }
 
     std::vector<Entrant> waysOfEmbree(const Batch& batch) {
@@ -156,11 +170,10 @@ private:
             Device* const device = devices_[i].get();
             const auto rays = device ? std::make_shared<ResidentRays>(*walked.onDevices[i], *device, batch.rays, batch.query)
                                      : std::make_shared<ResidentRays>(*walked.cpu, batch.rays, batch.query);
-            entrants.push_back({resultOf(walked.structure.name, walked.structure.walk, device, batch),
-                                [=](uint64_t& hits) {
+            entrants.push_back({resultOf(walked.structure.name, walked.structure.walk, device, batch), [=](uint64_t& hits) {
                                     const TraceReport report = rays->trace();
-                                    hits = std::ranges::count_if(
-                                        rays->hits(), [](const Hit& hit) { return hit.primitive != NO_HIT; });
+                                    hits = std::ranges::count_if(rays->hits(),
+                                                                 [](const Hit& hit) { return hit.primitive != NO_HIT; });
                                     return report;
                                 }});
             entrants.back().result.counters = counters;

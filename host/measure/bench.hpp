@@ -56,9 +56,9 @@ struct BenchReport {
     std::vector<BenchResult> results;
 };
 
-/// Builds and traces one scene. Embree's other ways are measured once a scene, beside the first structure. `progress` is told
-/// what is at hand and the share done, before each step. Throws what building and opening devices throw.
-/// Memory: one structure at a time, and 300 bytes a ray of the largest set.
+/// Builds and traces one scene. Embree's other ways are measured once a scene, beside the first structure. `progress` is
+/// told what is at hand and the share done, before each step. Throws what building and opening devices throw. Memory: one
+/// structure at a time, and 300 bytes a ray of the largest set.
 BenchReport bench(const Geometry& geometry, const BenchSettings& settings,
                   const std::function<void(const std::string&, double)>& progress);
 

@@ -35,7 +35,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr size_t grain = 4096;  // rays of one thread at a time
 
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double secondsSince(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 constexpr size_t width = 8;
 static_assert(sizeof(RTCRayHit8) == width * sizeof(RTCRayHit));
@@ -201,8 +203,7 @@ EmbreePeer::Traced EmbreePeer::trace(std::span<const Ray> rays, Query query, Wid
     if (state_->rays.size() < packets) state_->rays.resize(packets);
     if (width == Width::single)
         return traceSingles(scene, {reinterpret_cast<RTCRayHit*>(state_->rays.data()), rays.size()}, rays, query);
-    return tracePackets(scene, std::span(state_->rays).first(packets), rays, query,
-                        width == Width::coherentPacket8);
+    return tracePackets(scene, std::span(state_->rays).first(packets), rays, query, width == Width::coherentPacket8);
 }
 
 std::optional<std::string> embreeVersion() {
@@ -213,10 +214,18 @@ std::optional<std::string> embreeVersion() {
 
 struct EmbreePeer::State {};
 
-std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry&) { return nullptr; }
-bool EmbreePeer::makeRobust(const Geometry&) { return false; }
-EmbreePeer::Traced EmbreePeer::trace(std::span<const Ray>, Query, Width, bool) { return {}; }
-std::optional<std::string> embreeVersion() { return std::nullopt; }
+std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry&) {
+    return nullptr;
+}
+bool EmbreePeer::makeRobust(const Geometry&) {
+    return false;
+}
+EmbreePeer::Traced EmbreePeer::trace(std::span<const Ray>, Query, Width, bool) {
+    return {};
+}
+std::optional<std::string> embreeVersion() {
+    return std::nullopt;
+}
 
 #endif
 

@@ -22,12 +22,12 @@ public:
 
     double buildSeconds() const { return buildSeconds_; }
 
-    /// Builds a second time, with Embree's scene flag "robust", which leaves fewer gaps between triangles. False where Embree
-    /// cannot.
+    /// Builds a second time, with Embree's scene flag "robust", which leaves fewer gaps between triangles. False where
+    /// Embree cannot.
     bool makeRobust(const Geometry& geometry);
 
-    /// How rays are handed over: one by one, by rtcIntersect1 (closest) or rtcOccluded1 (any); or eight at once, in the order
-    /// they have, by rtcIntersect8 or rtcOccluded8. Embree walks packets in another way where it is told that they are
+    /// How rays are handed over: one by one, by rtcIntersect1 (closest) or rtcOccluded1 (any); or eight at once, in the
+    /// order they have, by rtcIntersect8 or rtcOccluded8. Embree walks packets in another way where it is told that they are
     /// coherent: up to twice as fast where they are, and at two thirds of the speed where not (measured).
     enum class Width { single, packet8, coherentPacket8 };
     struct Traced {

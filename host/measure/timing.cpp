@@ -32,8 +32,8 @@ ResidentRays::ResidentRays(DeviceTracer& tracer, Device& device, std::span<const
     : tracer_(tracer), onDevice_(&tracer), rays_(rays), query_(query), hits_(rays.size()) {
     for (size_t first = 0; first < rays.size(); first += batch) {
         const size_t count = std::min(batch, rays.size() - first);
-        batches_.push_back({Buffer(device, count * sizeof(Ray)), Buffer(device, count * sizeof(Hit)),
-                            static_cast<uint32_t>(count)});
+        batches_.push_back(
+            {Buffer(device, count * sizeof(Ray)), Buffer(device, count * sizeof(Hit)), static_cast<uint32_t>(count)});
         batches_.back().rays.uploadValues(rays.subspan(first, count));
     }
 }

@@ -23,8 +23,8 @@ Quartiles megaRaysOf(const std::vector<double>& seconds, uint64_t rays);
 class ResidentRays {
 public:
     ResidentRays(Tracer& tracer, std::span<const Ray> rays, Query query);
-    /// `device` is the tracer's. `batch`: how many rays a buffer holds. Throws limitError where there is no room for rays and
-    /// hits, 48 bytes each.
+    /// `device` is the tracer's. `batch`: how many rays a buffer holds. Throws limitError where there is no room for rays
+    /// and hits, 48 bytes each.
     ResidentRays(DeviceTracer& tracer, Device& device, std::span<const Ray> rays, Query query, size_t batch = 1u << 21);
 
     /// Traces all of them. `seconds` is wall time; `counters` are the CPU's, or those of a tracer that counts.

@@ -11,12 +11,24 @@ namespace {
 
 constexpr Real pi = std::numbers::pi_v<Real>;
 
-Vector operator+(const Vector& a, const Vector& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-Vector operator-(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vector operator*(Real s, const Vector& a) { return {s * a[0], s * a[1], s * a[2]}; }
-Real dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Real length(const Vector& a) { return std::sqrt(dot(a, a)); }
-Vector unit(const Vector& a) { return (1 / length(a)) * a; }
+Vector operator+(const Vector& a, const Vector& b) {
+    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+Vector operator-(const Vector& a, const Vector& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+Vector operator*(Real s, const Vector& a) {
+    return {s * a[0], s * a[1], s * a[2]};
+}
+Real dot(const Vector& a, const Vector& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+Real length(const Vector& a) {
+    return std::sqrt(dot(a, a));
+}
+Vector unit(const Vector& a) {
+    return (1 / length(a)) * a;
+}
 Vector cross(const Vector& a, const Vector& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
@@ -93,8 +105,7 @@ void addSecondary(ExactSets& sets, const Frame& frame, const Corners& met, const
     if (dot(n, frame.eye - point) < 0) n = Real(-1) * n;
     ++(n[2] > 0 ? sets.frontal : sets.averted);
     const Vector start = point + 2e-5L * t * n, toLight = light - start;
-    if (dot(n, light - point) > 0)
-        sets.shadow.push_back({start, unit(toLight), length(toLight) * (1 - 1e-4L)});
+    if (dot(n, light - point) > 0) sets.shadow.push_back({start, unit(toLight), length(toLight) * (1 - 1e-4L)});
     sets.diffuse.push_back({start, cosineDirection(n, pixel), 1e30L});
     sets.specular.push_back({start, unit(d - 2 * dot(d, n) * n), 1e30L});
 }
