@@ -21,6 +21,7 @@ const auto byNumber = [](const auto& info) { return test::nameOfCase(info.param)
 INSTANTIATE_TEST_SUITE_P(Boxes, HardCase, testing::ValuesIn(test::numbersOf(hard::boxCases())), byNumber);
 INSTANTIATE_TEST_SUITE_P(Triangles, HardCase, testing::ValuesIn(test::numbersOf(hard::triangleCases())), byNumber);
 INSTANTIATE_TEST_SUITE_P(Cells, HardCase, testing::ValuesIn(test::numbersOf(hard::cellCases())), byNumber);
+INSTANTIATE_TEST_SUITE_P(Later, HardCase, testing::ValuesIn(test::numbersOf(hard::laterCases())), byNumber);
 
 }  // namespace
 }  // namespace raig

@@ -89,6 +89,48 @@ TEST(Oracle, KnowsAllTrianglesAtThePointThatIsHit) {
     EXPECT_EQ(oracle.allClosest({vec3(3, 3, 0), 0.0f, vec3(0, 0, 1), 10.0f}).size(), 0u);
 }
 
+TEST(Oracle, MeetsSpheresFromOutsideAndInsideAndWhereRaysOnlyTouchThem) {
+    const std::vector<Primitive> two{Primitive::sphere(vec3(0), 2.0f), Primitive::sphere(vec3(0, 0, 8), 1.0f)};
+    const Oracle oracle(two);
+    const auto closest = [&](const vec3& origin, const vec3& direction, float tMin = 0.0f) {
+        return oracle.closest({origin, tMin, direction, INFINITY});
+    };
+    EXPECT_EQ(closest(vec3(0, 0, -5), vec3(0, 0, 1)).t, 3.0f);
+    EXPECT_EQ(closest(vec3(0), vec3(0, 0, 0.5f)).t, 4.0f) << "from inside, by a longer way";
+    EXPECT_EQ(closest(vec3(0, 0, -5), vec3(0, 0, 1), 3.5f).t, 7.0f)
+        << "the far side counts where tMin is beyond the near one";
+    EXPECT_EQ(closest(vec3(0, 0, -5), vec3(0, 0, 1), 7.5f).primitive, 1u);
+    EXPECT_EQ(closest(vec3(2, 0, -5), vec3(0, 0, 1)).t, 5.0f) << "touches it";
+    EXPECT_EQ(closest(vec3(std::nextafter(2.0f, 3.0f), 0, -5), vec3(0, 0, 1)).primitive, NO_HIT);
+    EXPECT_EQ(closest(vec3(0, 0, 2), vec3(0, 0, 1)).t, 0.0f) << "starts on it";
+    EXPECT_EQ(closest(vec3(0, 0, 20), vec3(0, 0, 1)).primitive, NO_HIT) << "behind";
+    const Oracle none(std::vector<Primitive>{Primitive::sphere(vec3(0), 0.0f), Primitive::sphere(vec3(1.8e18f), 1e17f)});
+    EXPECT_EQ(none.closest({vec3(0, 0, -5), 0.0f, vec3(0, 0, 1), INFINITY}).primitive, NO_HIT);
+}
+
+// Of spheres, too: the other side of the same one, its neighbour 4e-5 away, and a place off the surface are all wrong.
+TEST(Oracle, NoticesEachKindOfFailureOfSpheres) {
+    const hard::Scene scene = test::hardScenes(51).at(0);
+    const Oracle oracle(scene.triangles);
+    size_t hits = 0;
+    for (const Ray& ray : scene.rays) {
+        const Hit exact = oracle.closest(ray);
+        if (exact.primitive == NO_HIT || oracle.isOpen(ray)) continue;
+        ++hits;
+        const auto verdict = [&](float t, uint32_t primitive) {
+            return oracle.judge(ray, {t, 0.0f, 0.0f, primitive}, false);
+        };
+        EXPECT_FALSE(verdict(exact.t, exact.primitive).isFault());
+        EXPECT_EQ(verdict(0.0f, NO_HIT).verdict, hard::Verdict::missed);
+        EXPECT_TRUE(verdict(exact.t * 1.0005f, exact.primitive).isFault());
+        const Hit next = oracle.closest({ray.origin, std::nextafter(exact.t, INFINITY), ray.direction, INFINITY});
+        if (next.primitive != NO_HIT && next.t > exact.t * 1.0005f) {
+            EXPECT_TRUE(verdict(next.t, next.primitive).isFault());
+        }
+    }
+    EXPECT_GT(hits, 400u);
+}
+
 // The judge sees what it is for: hits that are left out, invented, of another triangle, or in the wrong place.
 TEST(Oracle, NoticesEachKindOfFailure) {
     const hard::Scene scene = test::hardScenes(13).at(0);

@@ -24,8 +24,8 @@ namespace {
 template <class Spoil>
 StressSubject spoiled(const Spoil& spoil) {
     const StressSubject sound = subjectOf({"bvh", {}}, nullptr);
-    const auto prepare = [sound, spoil](std::span<const Triangle> triangles) -> AnswerRays {
-        const AnswerRays answer = sound.prepare(triangles);
+    const auto prepare = [sound, spoil](const hard::Scene& scene) -> AnswerRays {
+        const AnswerRays answer = sound.prepare(scene);
         return [answer, spoil](std::span<const Ray> rays, std::span<Hit> hits, Query query) {
             answer(rays, hits, query);
             for (size_t i = 0; i < rays.size(); ++i) spoil(rays[i], hits[i], query);
@@ -118,7 +118,7 @@ TEST(Stress, CountsAnyHitQueriesThatDisagree) {
 }
 
 TEST(Stress, CountsErrorsAndGoesOn) {
-    const auto prepare = [](std::span<const Triangle>) -> AnswerRays { throw std::logic_error("no room"); };
+    const auto prepare = [](const hard::Scene&) -> AnswerRays { throw std::logic_error("no room"); };
     const StressSubject broken{"bvh", "", prepare};
     const StressReport report = runWith(broken);
     EXPECT_EQ(spoiledResult(report).count(StressFault::error), spoiledResult(report).rays);
@@ -127,7 +127,7 @@ TEST(Stress, CountsErrorsAndGoesOn) {
 }
 
 StressSubject throwing(const Error& error) {
-    return {"bvh", "", [error](std::span<const Triangle>) -> AnswerRays { throw error; }};
+    return {"bvh", "", [error](const hard::Scene&) -> AnswerRays { throw error; }};
 }
 
 TEST(Stress, ALostDeviceEndsTheRunAndIsAnErrorOfItsCaseAndStructure) {
@@ -162,7 +162,7 @@ TEST(Stress, ALimitEndsTheRunAndIsNoWrongAnswer) {
     EXPECT_EQ(report.forbidden(), 0u);
     ASSERT_TRUE(report.stopped.has_value());
     EXPECT_EQ(report.stopped->exitCode, ExitCode::limit);
-    const auto runOut = [](std::span<const Triangle>) -> AnswerRays { throw std::bad_alloc(); };
+    const auto runOut = [](const hard::Scene&) -> AnswerRays { throw std::bad_alloc(); };
     EXPECT_THROW(runWith({"bvh", "", runOut}), std::bad_alloc);
 }
 
@@ -198,8 +198,8 @@ TEST(Stress, TellsRaysWhoseWalkDoesNotEndFromOthers) {
     EXPECT_EQ(spoiledResult(some).count(StressFault::hung), rare);
     EXPECT_EQ(some.forbidden(), rare);
 
-    const auto prepare = [](std::span<const Triangle> triangles) -> AnswerRays {
-        const auto structure = std::make_shared<Structure>(leadingAround(triangles));
+    const auto prepare = [](const hard::Scene& scene) -> AnswerRays {
+        const auto structure = std::make_shared<Structure>(leadingAround(scene.triangles));
         return [structure](std::span<const Ray> rays, std::span<Hit> hits, Query query) {
             makeCpuTracer(*structure)->trace(rays, hits, query);
         };

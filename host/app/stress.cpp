@@ -99,7 +99,7 @@ StressDevice describeDevice(const std::optional<DeviceInfo>& info, const std::ve
 
 /// A device that cannot be opened answers no ray: so the first case says, and the run goes on with the others.
 StressSubject unopened(const Error& error) {
-    return {"brute", "", [error](std::span<const Triangle>) -> AnswerRays { throw error; }};
+    return {"brute", "", [error](const hard::Scene&) -> AnswerRays { throw error; }};
 }
 
 /// Runs the cases on one device, the last of the document's.

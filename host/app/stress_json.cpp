@@ -24,11 +24,10 @@ double perMillion(uint64_t count, uint64_t rays) {
 }
 
 Json toJson(const StressDocument& document, const StressResult& r) {
-    Json json = {{"case", r.number},         {"what", whatOf(document, r.number)},
-                 {"structure", r.structure}, {"options", r.options},
-                 {"device", r.device},       {"device_number", r.deviceNumber},
-                 {"rays", r.rays},           {"hits", r.hits},
-                 {"open", r.open},           {"forbidden", r.forbidden()}};
+    Json json = {
+        {"case", r.number},   {"what", whatOf(document, r.number)}, {"structure", r.structure}, {"options", r.options},
+        {"device", r.device}, {"device_number", r.deviceNumber},    {"rays", r.rays},           {"hits", r.hits},
+        {"open", r.open},     {"forbidden", r.forbidden()}};
     for (size_t fault = 1; fault < stressFaults; ++fault) json[stressFaultNames[fault]] = r.counts[fault];
     json["control"] = false;
     json["seed"] = document.seed;
@@ -48,6 +47,7 @@ Json toJson(const StressDocument& document, const StressResult& r) {
 Json toJson(const StressDocument& document, const ControlResult& r) {
     const ControlFindings& found = r.findings;
     const Json expected = r.control.hasRate() ? Json{{"low", r.control.low}, {"high", r.control.high}} : Json(nullptr);
+    const bool isShare = !found.measured;
     return {{"case", r.control.number},
             {"what", whatOf(document, r.control.number)},
             {"structure", r.control.method},
@@ -66,8 +66,11 @@ Json toJson(const StressDocument& document, const ControlResult& r) {
               {"phantom", perMillion(found.phantom, found.rays)},
               {"wrong", perMillion(found.wrong, found.rays)},
               {"hung", perMillion(found.hung, found.rays)}}},
-            {"percent", found.percent()},
-            {"expected_percent", expected},
+            {"percent", isShare ? Json(found.percent()) : Json(nullptr)},
+            {"expected_percent", isShare ? expected : Json(nullptr)},
+            {"rate", found.rate()},
+            {"expected_rate", expected},
+            {"unit", r.control.unit},
             {"fails_as_it_should", r.fails}};
 }
 

@@ -57,13 +57,13 @@ void printResults(const StressDocument& document, bool verbose) {
 
 void printControls(const StressDocument& document) {
     if (document.controls.empty()) return;
-    fmt::print("\n{:>4}  {:48} {:>9} {:>9} {:>10}\n", "case", "control: must fail", "rays", "fails, %", "should, %");
+    fmt::print("\n{:>4}  {:58} {:>9} {:>9} {:>12}\n", "case", "control: must fail", "rays", "fails", "should");
     for (const bool fails : {false, true})
         for (const ControlResult& r : document.controls)
             if (r.fails == fails)
-                fmt::print("{:>4}  {:48} {:>9} {:>9.2f} {:>10}  {}\n", r.control.number, r.control.method.substr(0, 48),
-                           r.findings.rays, r.findings.percent(), expectedRate(r.control),
-                           r.fails ? "" : "the instrument is broken");
+                fmt::print("{:>4}  {:58} {:>9} {:>9.2f} {:>12} {}{}\n", r.control.number, r.control.method.substr(0, 58),
+                           r.findings.rays, r.findings.rate(), expectedRate(r.control), r.control.unit,
+                           r.fails ? "" : "  the instrument is broken");
 }
 
 void printReplay(const StressDocument& document, const StressReplay& replay, uint64_t number) {

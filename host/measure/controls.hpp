@@ -5,6 +5,7 @@
 #include "measure/hard_cases.hpp"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,20 +18,24 @@ struct ControlFindings {
     uint64_t phantom = 0;  ///< a hit that is nowhere near its triangle
     uint64_t wrong = 0;    ///< another triangle than the nearest
     uint64_t hung = 0;     ///< does not end
+    /// Where it is not counted how often, but measured by how much it errs: that, in the control's unit.
+    std::optional<double> measured = {};
 
     uint64_t failures() const { return missed + phantom + wrong + hung; }
     double percent() const { return rays == 0 ? 0.0 : 100.0 * double(failures()) / double(rays); }
+    double rate() const { return measured ? *measured : percent(); }
 };
 
 struct Control {
     uint32_t number;  ///< of the case
     std::string method;
-    /// In percent: how often it fails, by the catalogue; where that gives no rate, as measured with twelve seeds, or both 0.
+    /// In its unit: how often it fails, by the catalogue; where that gives no rate, as measured with twelve seeds, or both 0.
     double low, high;
-    std::function<ControlFindings(const std::vector<hard::Scene>&)> run;
+    std::function<ControlFindings(const hard::Draw&)> run;
     uint32_t draws = 1;  ///< of the case: more where failures are rare, or differ from scene to scene
     /// The catalogue's rate is the highest there is: the draw where it fails most often counts, not all together.
     bool worst = false;
+    const char* unit = "%";  ///< percent of the rays, unless it is measured by how much the method errs
 
     bool hasRate() const { return high > 0.0; }
     /// True if it fails as often as that, to a factor of two; where there is no rate, if it fails at all.

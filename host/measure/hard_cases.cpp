@@ -8,7 +8,8 @@ namespace raig::hard {
 
 std::vector<Case> allCases() {
     std::vector<Case> all;
-    for (const auto& cases : {boxCases(), triangleCases(), cellCases()}) all.insert(all.end(), cases.begin(), cases.end());
+    for (const auto& cases : {boxCases(), triangleCases(), cellCases(), laterCases()})
+        all.insert(all.end(), cases.begin(), cases.end());
     return all;
 }
 

@@ -1,12 +1,17 @@
-/// The catalogue of hard cases, where methods of tracing rays fail: triangles and rays by the recipe of each case.
+/// The catalogue of hard cases, where methods of tracing rays fail: primitives and rays by the recipe of each case.
 #pragma once
 
 #include "base/random.hpp"
 #include "rays/types.hpp"
 #include "structures/structure.hpp"
 
+#include <memory>
 #include <string>
 #include <vector>
+
+namespace raig {
+struct Scene;
+}  // namespace raig
 
 namespace raig::hard {
 
@@ -22,12 +27,16 @@ struct Draw {
 
 struct Scene {
     std::string name;
-    std::vector<Triangle> triangles;
+    std::vector<Primitive> triangles;  ///< and spheres
     std::vector<Ray> rays;
     /// No operation that decides a hit rounds: then no ray is open (measure/oracle.hpp), and all are judged.
     bool exact = false;
     /// Of the rays, how many may be open at most: 0 where meshes are closed as far as they are seen.
     double mostOpen = 0.0;
+    /// Of each ray, the primitive that it must hit by the recipe, whatever exact arithmetic makes of the ray; or empty.
+    std::vector<uint32_t> meets = {};
+    /// The same primitives as meshes that stand in several places: structures are then built in two levels. Or null.
+    std::shared_ptr<const raig::Scene> placed = {};
 };
 
 /// A case by its number in the catalogue: a stable name.
@@ -40,6 +49,7 @@ struct Case {
 std::vector<Case> boxCases();       ///< 1 to 12
 std::vector<Case> triangleCases();  ///< 13 to 31
 std::vector<Case> cellCases();      ///< 32 to 49
+std::vector<Case> laterCases();     ///< 50, 51 and 63: rays that leave surfaces, spheres, instances
 
 /// All of them, by number.
 std::vector<Case> allCases();

@@ -156,6 +156,18 @@ std::optional<float> meets(Tester tester, const Triangle& triangle, const Ray& r
     return tester == Tester::watertightFused ? watertightFused(triangle, ray) : moellerTrumbore(tester, triangle, ray);
 }
 
+std::optional<float> meetsSphere(const Primitive& sphere, const Ray& ray) {
+    const vec3 f = ray.origin - sphere.centre(), d = ray.direction;
+    const float a = dotOf(false, d, d), b = 2.0f * dotOf(false, f, d),
+                c = dotOf(false, f, f) - sphere.radius() * sphere.radius();
+    const float discriminant = b * b - 4.0f * a * c;
+    if (discriminant < 0.0f) return std::nullopt;
+    const float root = std::sqrt(discriminant), first = (-b - root) / (2.0f * a), second = (-b + root) / (2.0f * a);
+    const float t = first >= ray.tMin ? first : second;
+    if (t < ray.tMin || t > ray.tMax) return std::nullopt;
+    return t;
+}
+
 std::optional<std::vector<Visit>> cellsOf(Dda dda, const Box& box, uint32_t n, const Ray& ray) {
     return dda == Dda::sound ? walk<double>(dda, box, n, ray) : walk<float>(dda, box, n, ray);
 }

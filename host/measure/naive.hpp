@@ -35,6 +35,9 @@ enum class Tester {
 };
 std::optional<float> meets(Tester tester, const Triangle& triangle, const Ray& ray);
 
+/// Where the ray meets the sphere, by the quadratic equation as it is taught: b^2 - 4 a c.
+std::optional<float> meetsSphere(const Primitive& sphere, const Ray& ray);
+
 /// The cells of an n x n x n grid in the box that a walk visits [Amanatides, Woo 1987].
 enum class Dda {
     sound,      ///< in double precision

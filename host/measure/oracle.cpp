@@ -1,4 +1,4 @@
-#include "measure/oracle.hpp"
+#include "measure/oracle_parts.hpp"
 
 #include <fmt/format.h>
 
@@ -9,28 +9,6 @@
 namespace raig::hard {
 
 namespace {
-
-constexpr double u = 0x1p-24;
-constexpr double ofHit = 64.0;   // u M: how far along an axis a hit may lie from its triangle
-constexpr double ofEdge = 32.0;  // u M: how far off an edge rounding may decide on which side a ray passes it
-constexpr double farthestCorner = 1.844e18;
-
-bool isFinite(const vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-bool isWithin(const vec3& v, double limit) {
-    return isFinite(v) && std::abs(v.x) <= limit && std::abs(v.y) <= limit && std::abs(v.z) <= limit;
-}
-
-Exact magnitude(Exact value) {
-    return value < 0 ? -value : value;
-}
-
-/// The value, or 0 if it is so small a part of its terms that their roundings may have made it.
-Exact certain(Exact value, Exact terms) {
-    return magnitude(value) <= terms * Exact(0x1p-104) ? Exact(0) : value;
-}
 
 /// a . (b x c), and the sum of the magnitudes of its terms.
 template <class Vector>
@@ -79,16 +57,21 @@ std::string describe(const Ray& r) {
 
 std::string describe(const Hit& h) {
     if (h.primitive == NO_HIT) return "nothing";
-    return fmt::format("triangle {} t {:.9g} u {:.9g} v {:.9g}", h.primitive, h.t, h.u, h.v);
+    return fmt::format("primitive {} t {:.9g} u {:.9g} v {:.9g}", h.primitive, h.t, h.u, h.v);
 }
 
-Oracle::Oracle(std::span<const Triangle> triangles) : triangles_(triangles.begin(), triangles.end()) {
+Oracle::Oracle(std::span<const Primitive> primitives) : primitives_(primitives.begin(), primitives.end()) {
     const auto before = [](const vec3& a, const vec3& b) {
         return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
     };
     std::map<vec3, uint32_t, decltype(before)> numbers(before);
     std::map<std::array<uint32_t, 2>, uint32_t> edges;
-    for (const Triangle& t : triangles_) {
+    for (const Primitive& t : primitives_) {
+        if (t.isSphere()) {
+            usable_.push_back(isSoundSphere(t));
+            if (usable_.back() != 0) bounds_.grow(t.box());
+            continue;
+        }
         const bool isFinite =
             isWithin(t.a, farthestCorner) && isWithin(t.b, farthestCorner) && isWithin(t.c, farthestCorner);
         usable_.push_back(isFinite && hasArea(t));
@@ -128,14 +111,19 @@ Oracle::Seen Oracle::seen(const Ray& ray) const {
     s.scale = std::ldexp(1.0, -std::ilogb(largest));
     for (int axis = 0; axis < 3; ++axis)
         for (const float side : {bounds_.lo[axis], bounds_.hi[axis]})
-            s.unit = std::max(s.unit, u * std::abs(double{side} - double{ray.origin[axis]}));
+            s.unit = std::max(s.unit, roundoff * std::abs(double{side} - double{ray.origin[axis]}));
     return s;
 }
 
 /// False only if the ray certainly misses the triangle: in double precision, with the error of each edge function bounded by
 /// its terms. Products of three floats neither overflow nor underflow in doubles.
-bool Oracle::mayMeet(const Seen& s, const Triangle& t) const {
+bool Oracle::mayMeet(const Seen& s, const Primitive& t) const {
     const dvec3 d(s.ray.direction), o(s.ray.origin);
+    if (t.isSphere()) {
+        const dvec3 f = o - dvec3(t.centre());
+        const double along = glm::dot(f, d), dd = glm::dot(d, d), ff = glm::dot(f, f), rr = double{t.radius()} * t.radius();
+        return along * along - dd * (ff - rr) >= -0x1p-46 * dd * (ff + rr);
+    }
     const dvec3 a = dvec3(t.a) - o, b = dvec3(t.b) - o, c = dvec3(t.c) - o;
     const auto size = [](const dvec3& v) { return std::max(std::abs(v.x), std::max(std::abs(v.y), std::abs(v.z))); };
     const double most = std::max(size(a), std::max(size(b), size(c))) + size(o);
@@ -146,7 +134,11 @@ bool Oracle::mayMeet(const Seen& s, const Triangle& t) const {
     return !(below && above);
 }
 
-Oracle::Meeting Oracle::meet(const Seen& s, const Triangle& t) const {
+Oracle::Meeting Oracle::meet(const Seen& s, const Primitive& primitive) const {
+    return primitive.isSphere() ? meetSphere(s, primitive) : meetTriangle(s, primitive);
+}
+
+Oracle::Meeting Oracle::meetTriangle(const Seen& s, const Triangle& t) const {
     const auto from = [&](const vec3& corner) {
         return Vector{Exact(corner.x) - Exact(s.ray.origin.x), Exact(corner.y) - Exact(s.ray.origin.y),
                       Exact(corner.z) - Exact(s.ray.origin.z)};
@@ -163,7 +155,7 @@ Oracle::Meeting Oracle::meet(const Seen& s, const Triangle& t) const {
     m.u = edgeB / all;
     m.v = edgeC / all;
     const Exact n[3] = {ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z, ab.x * ac.y - ab.y * ac.x};
-    m.slope = double((magnitude(n[0]) + magnitude(n[1]) + magnitude(n[2])) / magnitude(all));
+    m.give = ofHit * s.unit * double((magnitude(n[0]) + magnitude(n[1]) + magnitude(n[2])) / magnitude(all));
     m.hits = inside;
     return m;
 }
@@ -171,9 +163,9 @@ Oracle::Meeting Oracle::meet(const Seen& s, const Triangle& t) const {
 uint32_t Oracle::best(const Seen& s, Meeting& nearest) const {
     uint32_t found = NO_HIT;
     if (!s.valid) return found;
-    for (uint32_t i = 0; i < triangles_.size(); ++i) {
-        if (usable_[i] == 0 || !mayMeet(s, triangles_[i])) continue;
-        const Meeting m = meet(s, triangles_[i]);
+    for (uint32_t i = 0; i < primitives_.size(); ++i) {
+        if (usable_[i] == 0 || !mayMeet(s, primitives_[i])) continue;
+        const Meeting m = meet(s, primitives_[i]);
         if (!m.hits || m.t < Exact(s.ray.tMin) || m.t > Exact(s.ray.tMax)) continue;
         if (found != NO_HIT && m.t >= nearest.t) continue;
         nearest = m;
@@ -194,9 +186,9 @@ std::vector<uint32_t> Oracle::allClosest(const Ray& ray) const {
     std::vector<uint32_t> found;
     if (!s.valid) return found;
     Exact nearest = 0;
-    for (uint32_t i = 0; i < triangles_.size(); ++i) {
-        if (usable_[i] == 0 || !mayMeet(s, triangles_[i])) continue;
-        const Meeting m = meet(s, triangles_[i]);
+    for (uint32_t i = 0; i < primitives_.size(); ++i) {
+        if (usable_[i] == 0 || !mayMeet(s, primitives_[i])) continue;
+        const Meeting m = meet(s, primitives_[i]);
         if (!m.hits || m.t < Exact(s.ray.tMin) || m.t > Exact(s.ray.tMax)) continue;
         const Exact beyond = found.empty() ? Exact(0) : certain(m.t - nearest, magnitude(nearest));
         if (beyond > 0) continue;
@@ -221,7 +213,7 @@ bool Oracle::isOpen(const Seen& s) const {
     Meeting nearest;
     const uint32_t found = best(s, nearest);
     const double rounding = ofHit * s.unit, along = rounding * s.scale;  // the same as a distance along the ray
-    const double end = found != NO_HIT ? double(nearest.t) + rounding * nearest.slope : double{s.ray.tMax} + along;
+    const double end = found != NO_HIT ? double(nearest.t) + nearest.give : double{s.ray.tMax} + along;
     const double margin = ofEdge * s.unit;
     std::vector<dvec3> places;
     places.reserve(corners_.size());
@@ -246,15 +238,26 @@ bool Oracle::isOpen(const Seen& s) const {
         }
         if (!left || !right) return true;
     }
-    for (uint32_t i = 0; i < triangles_.size(); ++i) {
-        if (usable_[i] == 0 || !mayMeet(s, triangles_[i])) continue;
-        const Meeting m = meet(s, triangles_[i]);
-        const auto isAt = [&](float end) {
-            return std::isfinite(end) && std::abs(double(m.t - Exact(end))) <= rounding * m.slope;
-        };
-        if (m.hits && (isAt(s.ray.tMin) || isAt(s.ray.tMax))) return true;
-    }
+    for (uint32_t i = 0; i < primitives_.size(); ++i)
+        if (usable_[i] != 0 && isOpenAt(s, primitives_[i], end)) return true;
     return false;
+}
+
+/// True if rounding may decide whether the ray meets it, as it ends there or, of a sphere, passes it by so little.
+bool Oracle::isOpenAt(const Seen& s, const Primitive& primitive, double end) const {
+    const auto isAt = [&](Exact t, double give) {
+        const auto ends = [&](float limit) { return std::isfinite(limit) && std::abs(double(t - Exact(limit))) <= give; };
+        return ends(s.ray.tMin) || ends(s.ray.tMax);
+    };
+    if (!primitive.isSphere()) {
+        if (!mayMeet(s, primitive)) return false;
+        const Meeting m = meet(s, primitive);
+        return m.hits && isAt(m.t, m.give);
+    }
+    const double margin = ofEdge * s.unit, along = ofHit * s.unit * s.scale;
+    const Crossing c = cross(s, primitive, 0.0);
+    if (std::abs(c.off) <= margin && c.nearest <= end && c.nearest >= s.ray.tMin - along) return true;
+    return c.meets && (isAt(c.first, giveOf(s, primitive, c.first)) || isAt(c.second, giveOf(s, primitive, c.second)));
 }
 
 bool Oracle::isOpen(const Ray& ray) const {
@@ -266,18 +269,19 @@ Verdict Oracle::verdict(const Seen& s, const Hit& got, bool& sound) const {
     const uint32_t want = best(s, exact);
     sound = true;
     if (got.primitive == NO_HIT) return want == NO_HIT ? Verdict::same : Verdict::missed;
-    if (got.primitive >= triangles_.size() || !s.valid || usable_[got.primitive] == 0 || !std::isfinite(got.t)) {
+    if (got.primitive >= primitives_.size() || !s.valid || usable_[got.primitive] == 0 || !std::isfinite(got.t)) {
         sound = false;
         return Verdict::phantom;
     }
-    const Triangle& t = triangles_[got.primitive];
-    const dvec3 o(s.ray.origin), point = double{got.t} * dvec3(s.ray.direction);
-    sound = distanceTo(point, dvec3(t.a) - o, dvec3(t.b) - o, dvec3(t.c) - o) <= std::sqrt(3.0) * ofHit * s.unit &&
-            got.u >= 0.0f && got.v >= 0.0f && got.u <= 1.0f && got.v <= 1.0f;
+    const Primitive& t = primitives_[got.primitive];
+    const dvec3 o(s.ray.origin), point = double{got.t} * dvec3(s.ray.direction), a = dvec3(t.a) - o;
+    const double off = t.isSphere() ? std::abs(glm::length(point - a) - double{t.radius()})
+                                    : distanceTo(point, a, dvec3(t.b) - o, dvec3(t.c) - o);
+    sound = off <= std::sqrt(3.0) * ofHit * s.unit && got.u >= 0.0f && got.v >= 0.0f && got.u <= 1.0f && got.v <= 1.0f;
     if (want == NO_HIT) return Verdict::phantom;
-    const double apart = std::abs(double(Exact(got.t) - exact.t)), rounding = ofHit * s.unit;
-    if (got.primitive == want) return apart <= rounding * exact.slope ? Verdict::same : Verdict::wrong;
-    return apart <= rounding * (exact.slope + meet(s, t).slope) ? Verdict::tie : Verdict::wrong;
+    const double apart = std::abs(double(Exact(got.t) - exact.t));
+    if (got.primitive == want) return apart <= exact.give ? Verdict::same : Verdict::wrong;
+    return apart <= exact.give + meet(s, t).give ? Verdict::tie : Verdict::wrong;
 }
 
 Judgement Oracle::judge(const Ray& ray, const Hit& hit, bool strict) const {

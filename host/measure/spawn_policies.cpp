@@ -18,7 +18,7 @@ namespace raig {
 namespace {
 
 constexpr float inf = std::numeric_limits<float>::infinity();
-constexpr size_t raysOfPair = 40;
+constexpr size_t raysOfPair = 8;
 constexpr double leastSize = 1e-4;  // of the place
 
 double ulpOf(double magnitude) {
@@ -147,7 +147,7 @@ std::vector<Ray> spawnRays(SpawnPolicy policy, const SpawnPair& pair, const Spaw
             const dvec3 target = a + r * (1.0 - s) * (b - a) + r * s * (c - a);
             dvec3 away = random.direction();
             if (glm::dot(away, dvec3(pair.side)) < 0.0) away = -away;
-            const vec3 origin(target + scale.size * random.within(1.0, 10.0) * away);
+            const vec3 origin(target + scale.size * random.within(1.0, 20.0) * away);
             ray = {origin, 0.0f, vec3(glm::normalize(target - dvec3(origin))), inf};
         }
         std::vector<Hit> hits(count);

@@ -58,7 +58,7 @@ std::vector<SpawnPair> spawnPairs(const SpawnScale& scale, size_t count, uint32_
 /// to be traced.
 std::vector<Ray> spawnRays(SpawnPolicy policy, const SpawnPair& pair, const SpawnScale& scale, size_t count, uint32_t seed);
 
-/// What becomes of `rays` rays, in exact arithmetic: of 40 each from a pair. A ray is a self-hit or a leak, never both: the
+/// What becomes of `rays` rays, in exact arithmetic: of 8 each from a pair. A ray is a self-hit or a leak, never both: the
 /// former if it meets what it left. All policies get the same triangles, hits and directions.
 /// Requires as spawnPairs. The same arguments give the same numbers. Cost: some 7 microseconds a ray, on one core.
 SpawnFindings judgeSpawning(SpawnPolicy policy, const SpawnScale& scale, uint64_t rays, uint32_t seed);

@@ -39,10 +39,11 @@ using AnswerRays = std::function<void(std::span<const Ray> rays, std::span<Hit> 
 struct StressSubject {
     std::string structure;
     std::string options;  ///< as on the command line; empty: none
-    std::function<AnswerRays(std::span<const Triangle>)> prepare;
+    std::function<AnswerRays(const hard::Scene&)> prepare;
 };
 
-/// A structure on a device, or on the CPU where there is none. The device must outlive the subject.
+/// A structure on a device, or on the CPU where there is none; in two levels where the scene has meshes in several places,
+/// but for brute, which tries what is written out. The device must outlive the subject.
 StressSubject subjectOf(const Variant& variant, Device* device);
 
 struct StressSettings {
@@ -71,10 +72,10 @@ struct StressResult {
     std::string structure, options, device;
     size_t deviceNumber = 0;  ///< devices may share a name
     uint64_t rays = 0;
-    uint64_t hits = 0;    ///< rays that hit something, by the subject
-    uint64_t open = 0;    ///< rays that the oracle would fault, did rounding not decide there
-    uint64_t faulty = 0;  ///< rays with a fault, of one kind or more
-    uint64_t counts[stressFaults] = {};  ///< rays by their faults: closest-hit and any-hit query may each have one
+    uint64_t hits = 0;                    ///< rays that hit something, by the subject
+    uint64_t open = 0;                    ///< rays that the oracle would fault, did rounding not decide there
+    uint64_t faulty = 0;                  ///< rays with a fault, of one kind or more
+    uint64_t counts[stressFaults] = {};   ///< rays by their faults: closest-hit and any-hit query may each have one
     std::vector<StressExample> examples;  ///< the first few
     double seconds = 0.0;                 ///< to build and to trace
 

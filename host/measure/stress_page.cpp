@@ -61,17 +61,17 @@ std::string overview(const StressDocument& document, size_t device) {
 std::string controlTable(const StressDocument& document) {
     std::string table =
         "<div class=\"wide\"><table><thead><tr><th>case</th><th class=\"what\">control</th><th>of rays</th><th>fail</th>"
-        "<th>%</th><th>should, %</th><th>as it should</th></tr></thead><tbody>\n";
+        "<th>rate</th><th>should</th><th>as it should</th></tr></thead><tbody>\n";
     for (const ControlResult& r : document.controls) {
         std::string failures;
         for (const auto& [count, how] : {std::pair(r.findings.missed, "missed"), std::pair(r.findings.phantom, "phantom"),
                                          std::pair(r.findings.wrong, "wrong"), std::pair(r.findings.hung, "hung")})
             if (count > 0) failures += fmt::format("{}{} {}", failures.empty() ? "" : ", ", grouped(count), how);
         table += fmt::format(
-            "<tr><td><b>{}</b></td><td class=\"what\">{}</td><td>{}</td><td class=\"how\">{}</td><td>{:.2f}</td><td>{}</td>"
+            "<tr><td><b>{}</b></td><td class=\"what\">{}</td><td>{}</td><td class=\"how\">{}</td><td>{:.2f} {}</td><td>{}</td>"
             "<td class=\"{}\">{}</td></tr>\n",
             r.control.number, escapedMarkup(r.control.method), grouped(r.findings.rays), failures.empty() ? "0" : failures,
-            r.findings.percent(), expectedRate(r.control), r.fails ? "good" : "bad", r.fails ? "yes" : "NO");
+            r.findings.rate(), r.control.unit, expectedRate(r.control), r.fails ? "good" : "bad", r.fails ? "yes" : "NO");
     }
     return table + "</tbody></table></div>\n";
 }
@@ -214,9 +214,11 @@ std::string describeFailure(const StressDocument& document, const StressResult& 
 std::string describeFailure(const ControlResult& result) {
     if (result.fails) return "";
     return fmt::format(
-        "the instrument is broken: this method fails {:.2f} % of {} rays, and should {}", result.findings.percent(),
-        result.findings.rays,
-        result.control.hasRate() ? fmt::format("{} %, to a factor of two", expectedRate(result.control)) : "some of them");
+        "the instrument is broken: this method {} {:.2f} {} of {} rays, and should {}",
+        result.findings.measured ? "errs by" : "fails", result.findings.rate(), result.control.unit, result.findings.rays,
+        result.control.hasRate()
+            ? fmt::format("{} {}, to a factor of two", expectedRate(result.control), result.control.unit)
+            : "some of them");
 }
 
 std::string stressPage(const StressDocument& document) {

@@ -53,7 +53,10 @@ std::vector<uint32_t> numbersOf(const std::vector<hard::Case>& cases) {
 void expectBruteForceIsExact(uint32_t number) {
     for (const hard::Scene& scene : hardScenes(number)) {
         const hard::Oracle oracle(scene.triangles);
-        const Tally tally = judge(oracle, scene.rays, bruteForce(scene), scene.exact);
+        const std::vector<Hit> hits = bruteForce(scene);
+        const Tally tally = judge(oracle, scene.rays, hits, scene.exact);
+        for (size_t i = 0; i < scene.meets.size(); ++i)
+            EXPECT_EQ(hits[i].primitive, scene.meets[i]) << "case " << number << ", " << scene.name << ": ray " << i;
         EXPECT_EQ(tally.failures(), 0u) << "case " << number << ", " << scene.name << ": " << tally;
         EXPECT_LE(double(tally.open), scene.mostOpen * double(tally.rays)) << scene.name << ": " << tally;
         std::cout << "case " << number << ", " << scene.name << ": " << tally << '\n';
