@@ -5,6 +5,7 @@
 #include "measure/later_controls.hpp"
 #include "measure/naive.hpp"
 #include "measure/oracle.hpp"
+#include "measure/picture_controls.hpp"
 
 #include <algorithm>
 #include <array>
@@ -252,7 +253,7 @@ std::vector<Control> allControls() {
         kdTreeControl(48),
         kdTreeControl(49),
     };
-    for (const auto& more : {laterControls()}) controls.insert(controls.end(), more.begin(), more.end());
+    for (const auto& more : {laterControls(), pictureControls()}) controls.insert(controls.end(), more.begin(), more.end());
     return controls;
 }
 

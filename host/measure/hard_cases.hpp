@@ -43,7 +43,9 @@ struct Scene {
 struct Case {
     uint32_t number;
     const char* what;
-    std::vector<Scene> (*make)(const Draw&);
+    std::vector<Scene> (*make)(const Draw&);  ///< none where it is judged otherwise (measure/stress_pictures.hpp)
+
+    bool isOfRays() const { return make != nullptr; }
 };
 
 std::vector<Case> boxCases();       ///< 1 to 12
@@ -51,10 +53,21 @@ std::vector<Case> triangleCases();  ///< 13 to 31
 std::vector<Case> cellCases();      ///< 32 to 49
 std::vector<Case> laterCases();     ///< 50, 51 and 63: rays that leave surfaces, spheres, instances
 
-/// All of them, by number.
+/// All of those, by number.
 std::vector<Case> allCases();
 
-/// The case of that number. Throws usageError, which lists those there are.
+/// And those that are judged by pictures, or otherwise.
+std::vector<Case> allCasesOfAnyKind();
+
+/// What of the catalogue is not run, or not all of it, by number.
+struct NotRun {
+    uint32_t number;
+    const char* what;
+    const char* why;
+};
+std::vector<NotRun> notRun();
+
+/// The case of that number, of any kind. Throws usageError, which lists those there are.
 Case caseOf(uint32_t number);
 
 }  // namespace raig::hard

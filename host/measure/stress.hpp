@@ -71,6 +71,7 @@ struct StressResult {
     uint32_t number = 0;  ///< of the case
     std::string structure, options, device;
     size_t deviceNumber = 0;  ///< devices may share a name
+    bool isOfPixels = false;  ///< what is said of rays is of pixels
     uint64_t rays = 0;
     uint64_t hits = 0;                    ///< rays that hit something, by the subject
     uint64_t open = 0;                    ///< rays that the oracle would fault, did rounding not decide there

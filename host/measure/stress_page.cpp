@@ -30,6 +30,10 @@ std::string numberCell(uint64_t count) {
     return fmt::format("<td class=\"{}\">{}</td>", count == 0 ? "zero" : "bad", grouped(count));
 }
 
+std::string countOf(const StressResult& result) {
+    return grouped(result.rays) + (result.isOfPixels ? " px" : "");
+}
+
 std::string nameOf(const hard::Case& hardCase) {
     return fmt::format("<b>{}</b> {}", hardCase.number, escapedMarkup(hardCase.what));
 }
@@ -38,22 +42,22 @@ std::string nameOf(const hard::Case& hardCase) {
 std::string overview(const StressDocument& document, size_t device) {
     std::vector<std::string> structures;
     std::map<std::pair<uint32_t, std::string>, uint64_t> forbidden;
-    std::map<uint32_t, uint64_t> rays;
+    std::map<uint32_t, std::string> rays;
     for (const StressResult& result : document.results) {
         if (result.deviceNumber != device) continue;
         if (std::find(structures.begin(), structures.end(), result.structure) == structures.end())
             structures.push_back(result.structure);
         forbidden[{result.number, result.structure}] += result.forbidden();
-        rays[result.number] = result.rays;
+        rays[result.number] = countOf(result);
     }
     std::string table = "<div class=\"wide\"><table><thead><tr><th>case</th>";
     for (const std::string& structure : structures) table += "<th>" + escapedMarkup(structure) + "</th>";
-    table += "<th>rays each</th></tr></thead><tbody>\n";
+    table += "<th>rays or pixels</th></tr></thead><tbody>\n";
     for (const hard::Case& hardCase : document.cases) {
         if (!rays.contains(hardCase.number)) continue;
         table += "<tr><th>" + nameOf(hardCase) + "</th>";
         for (const std::string& structure : structures) table += numberCell(forbidden[{hardCase.number, structure}]);
-        table += fmt::format("<td>{}</td></tr>\n", grouped(rays[hardCase.number]));
+        table += fmt::format("<td>{}</td></tr>\n", rays[hardCase.number]);
     }
     return table + "</tbody></table></div>\n";
 }
@@ -68,7 +72,8 @@ std::string controlTable(const StressDocument& document) {
                                          std::pair(r.findings.wrong, "wrong"), std::pair(r.findings.hung, "hung")})
             if (count > 0) failures += fmt::format("{}{} {}", failures.empty() ? "" : ", ", grouped(count), how);
         table += fmt::format(
-            "<tr><td><b>{}</b></td><td class=\"what\">{}</td><td>{}</td><td class=\"how\">{}</td><td>{:.2f} {}</td><td>{}</td>"
+            "<tr><td><b>{}</b></td><td class=\"what\">{}</td><td>{}</td><td class=\"how\">{}</td><td>{:.2f} "
+            "{}</td><td>{}</td>"
             "<td class=\"{}\">{}</td></tr>\n",
             r.control.number, escapedMarkup(r.control.method), grouped(r.findings.rays), failures.empty() ? "0" : failures,
             r.findings.rate(), r.control.unit, expectedRate(r.control), r.fails ? "good" : "bad", r.fails ? "yes" : "NO");
@@ -83,8 +88,8 @@ std::string caseDetails(const StressDocument& document, const hard::Case& hardCa
         if (result.number != hardCase.number) continue;
         forbidden += result.forbidden();
         rows += fmt::format("<tr><td>{} <span class=\"soft\">{}</span></td><td>{}</td><td>{}</td><td>{}</td>",
-                            escapedMarkup(result.structure), escapedMarkup(result.options), grouped(result.rays),
-                            grouped(result.hits), grouped(result.open));
+                            escapedMarkup(result.structure), escapedMarkup(result.options), countOf(result),
+                            result.isOfPixels ? "" : grouped(result.hits), result.isOfPixels ? "" : grouped(result.open));
         for (size_t fault = 1; fault < stressFaults; ++fault) rows += numberCell(result.counts[fault]);
         rows += "<td class=\"what soft\">" + escapedMarkup(result.device) + "</td></tr>\n";
     }
@@ -99,8 +104,8 @@ std::string caseDetails(const StressDocument& document, const hard::Case& hardCa
     return details + "<th class=\"what\">device</th></tr></thead><tbody>\n" + rows + "</tbody></table></div></details>\n";
 }
 
-std::string describe(const StressExample& example) {
-    return fmt::format("ray {} of scene \"{}\" ({}): {}", example.ray, example.scene,
+std::string describe(const StressExample& example, bool isOfPixels) {
+    return fmt::format("{} {} of scene \"{}\" ({}): {}", isOfPixels ? "pixel" : "ray", example.ray, example.scene,
                        stressFaultNames[static_cast<size_t>(example.fault)], example.what);
 }
 
@@ -111,7 +116,7 @@ std::string failureList(const StressDocument& document) {
         items += fmt::format("<li>Case {}, {} on {}: <b>{}</b>\n<ul>\n", result.number, escapedMarkup(result.name()),
                              escapedMarkup(result.device), describeFaults(result));
         for (const StressExample& example : result.examples)
-            items += fmt::format("<li>{}<br><code>{}</code></li>\n", escapedMarkup(describe(example)),
+            items += fmt::format("<li>{}<br><code>{}</code></li>\n", escapedMarkup(describe(example, result.isOfPixels)),
                                  escapedMarkup(document.replayOf(result, example.ray)));
         items += "</ul></li>\n";
     }
@@ -145,6 +150,14 @@ std::string verdictOf(const StressDocument& document) {
     return text;
 }
 
+std::string missing(const StressDocument& document) {
+    if (document.notRun.empty()) return "";
+    std::string list = "<h2>Not run</h2>\n<ul>\n";
+    for (const hard::NotRun& one : document.notRun)
+        list += fmt::format("<li><b>{}</b> {}: {}.</li>\n", one.number, escapedMarkup(one.what), escapedMarkup(one.why));
+    return list + "</ul>\n";
+}
+
 std::string foot(const StressDocument& document) {
     std::string list = "<h2>How this was measured</h2>\n<dl>\n";
     const auto add = [&](const std::string& what, const std::string& text) {
@@ -157,7 +170,7 @@ std::string foot(const StressDocument& document) {
     add("processor", fmt::format("{}, {} threads", document.processor, document.threads));
     add("command", document.command);
     add("seed", std::to_string(document.seed));
-    add("raig", document.version + ", compiled with -ffp-contract=off");
+    add("raig", fmt::format("{}, commit {}, compiled with -ffp-contract=off", document.version, document.commit));
     add("took", fmt::format("{:.1f} s", document.seconds));
     return list + "</dl>\n";
 }
@@ -187,8 +200,9 @@ uint64_t StressDocument::rays() const {
 }
 
 std::string StressDocument::replayOf(const StressResult& result, uint64_t ray) const {
-    return fmt::format("{} --device {} --case {} --ray {}", replay, devices.at(result.deviceNumber).argument, result.number,
-                       ray);
+    const std::string command =
+        fmt::format("{} --device {} --case {}", replay, devices.at(result.deviceNumber).argument, result.number);
+    return hard::caseOf(result.number).isOfRays() ? fmt::format("{} --ray {}", command, ray) : command;
 }
 
 std::string expectedRate(const Control& control) {
@@ -208,17 +222,18 @@ std::string describeFaults(const StressResult& result) {
 std::string describeFailure(const StressDocument& document, const StressResult& result) {
     if (result.examples.empty()) return describeFaults(result);
     const StressExample& example = result.examples.front();
-    return fmt::format("{}; {}; see: {}", describeFaults(result), describe(example), document.replayOf(result, example.ray));
+    return fmt::format("{}; {}; see: {}", describeFaults(result), describe(example, result.isOfPixels),
+                       document.replayOf(result, example.ray));
 }
 
 std::string describeFailure(const ControlResult& result) {
     if (result.fails) return "";
-    return fmt::format(
-        "the instrument is broken: this method {} {:.2f} {} of {} rays, and should {}",
-        result.findings.measured ? "errs by" : "fails", result.findings.rate(), result.control.unit, result.findings.rays,
-        result.control.hasRate()
-            ? fmt::format("{} {}, to a factor of two", expectedRate(result.control), result.control.unit)
-            : "some of them");
+    return fmt::format("the instrument is broken: this method {} {:.2f} {} of {} rays, and should {}",
+                       result.findings.measured ? "errs by" : "fails", result.findings.rate(), result.control.unit,
+                       result.findings.rays,
+                       result.control.hasRate()
+                           ? fmt::format("{} {}, to a factor of two", expectedRate(result.control), result.control.unit)
+                           : "some of them");
 }
 
 std::string stressPage(const StressDocument& document) {
@@ -236,8 +251,9 @@ std::string stressPage(const StressDocument& document) {
         page +=
             "<p class=\"soft\">Each number counts rays with an answer that must not be: hits that are missed, invented "
             "(phantom) or in the wrong place by exact arithmetic, answers with other bits than brute force has, any-hit "
-            "queries that disagree with closest-hit ones, walks that do not end, and errors; over all ways to build and "
-            "walk the structure. None in n rays means a rate below 3/n, with 95 % confidence.</p>\n";
+            "queries that disagree with closest-hit ones, walks that do not end, and errors; or pixels (px) that are not "
+            "what is known of them; over all ways to build and walk the structure. None in n rays means a rate below 3/n, "
+            "with 95 % confidence.</p>\n";
     if (!document.controls.empty())
         page += "<h2>Controls: textbook methods that must fail</h2>\n" + controlTable(document) +
                 "<p class=\"soft\">A control fails as it should if its rate is within a factor of two of the one that "
@@ -249,7 +265,7 @@ std::string stressPage(const StressDocument& document) {
             "<p class=\"soft\">Open: rays whose answer differs from the exact one where rounding may decide, as they pass "
             "an edge that nothing continues, or end on a surface.</p>\n";
     }
-    return page + foot(document) + "</body>\n</html>\n";
+    return page + missing(document) + foot(document) + "</body>\n</html>\n";
 }
 
 }  // namespace raig

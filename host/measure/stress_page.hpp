@@ -20,7 +20,7 @@ struct StressDevice {
 
 /// A whole run.
 struct StressDocument {
-    std::string version, processor;
+    std::string version, commit, processor;
     size_t threads = 0;
     std::string command;  ///< that does the same again, without where results are written and by how many threads
     std::string replay;   ///< how one ray is called up again, up to the device and the numbers of the case and the ray
@@ -30,6 +30,7 @@ struct StressDocument {
     std::vector<hard::Case> cases;
     std::vector<StressResult> results;
     std::vector<ControlResult> controls;
+    std::vector<hard::NotRun> notRun;
 
     uint64_t forbidden() const;
     size_t brokenControls() const;
@@ -38,7 +39,7 @@ struct StressDocument {
     /// script must notice.
     bool fellShort() const { return forbidden() > 0 || brokenControls() > 0 || stoppedDevices() > 0; }
     uint64_t rays() const;  ///< answers, by all structures on all devices
-    /// The command that shows a ray of a result again.
+    /// The command that shows a ray of a result again; of pixels, that runs their case again.
     std::string replayOf(const StressResult& result, uint64_t ray) const;
 };
 
