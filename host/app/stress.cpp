@@ -3,6 +3,7 @@
 #include "app/machine.hpp"
 #include "app/progress.hpp"
 #include "app/stress_json.hpp"
+#include "app/stress_run.hpp"
 #include "app/stress_text.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -17,48 +18,6 @@ namespace raig {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr uint32_t longTimes = 30;
-
-/// The devices to run on; nothing means the CPU path.
-std::vector<std::optional<DeviceInfo>> chooseDevices(const Options& options) {
-    if (options.device != "all") return {chooseDevice(options.device)};
-    std::vector<std::optional<DeviceInfo>> devices;
-    for (const DeviceInfo& info : listDevices()) devices.emplace_back(info);
-    devices.emplace_back();
-    return devices;
-}
-
-/// Without options of one structure: all ways to walk, or all there are; with them: this one.
-std::vector<Variant> chooseVariants(const Options& options) {
-    BuildParams own = options.buildParams;
-    own.memoryBudget = BuildParams{}.memoryBudget;  // every structure's
-    const std::string given = describeOptions(own);
-    if (!given.empty() && (!options.accelGiven || options.accel == "all"))
-        throw usageError("{}: options are a structure's; name it by --accel", given);
-    if (!given.empty()) {
-        const Variant one{options.accel, options.buildParams};
-        one.build({});  // refuses what the structure does not offer
-        return {one};
-    }
-    std::vector<Variant> variants = options.isLong ? allVariants(/* thorough= */ true) : walkVariants();
-    std::erase_if(variants, [&](const Variant& variant) {
-        return variant.structure == "brute" ||
-               (options.accelGiven && options.accel != "all" && variant.structure != options.accel);
-    });
-    for (Variant& variant : variants) variant.params.memoryBudget = options.buildParams.memoryBudget;
-    return variants;
-}
-
-std::vector<hard::Case> chooseCases(const Options& options) {
-    if (options.cases.empty()) return hard::allCases();
-    std::vector<uint32_t> numbers = options.cases;
-    std::sort(numbers.begin(), numbers.end());
-    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-    std::vector<hard::Case> cases;
-    for (const uint32_t number : numbers) cases.push_back(hard::caseOf(number));
-    return cases;
-}
 
 /// As a shell takes it for one word.
 std::string quoted(const std::string& text) {
@@ -88,61 +47,6 @@ std::string commandOf(const Options& options, bool forReplay) {
     return text;
 }
 
-/// What of no device is known. `others`: all there are in the run; where one has the same name, the index is told, too.
-StressDevice describeDevice(const std::optional<DeviceInfo>& info, const std::vector<std::optional<DeviceInfo>>& others) {
-    if (!info) return {"cpu", "", "", "cpu", {}};
-    const auto same = std::count_if(others.begin(), others.end(),
-                                    [&](const auto& other) { return other && other->name == info->name; });
-    return {same > 1 ? fmt::format("{} ({})", info->name, info->index) : info->name, info->driver, "",
-            std::to_string(info->index), {}};
-}
-
-/// A device that cannot be opened answers no ray: so the first case says, and the run goes on with the others.
-StressSubject unopened(const Error& error) {
-    return {"brute", "", [error](const hard::Scene&) -> AnswerRays { throw error; }};
-}
-
-/// Runs the cases on one device, the last of the document's.
-void runOn(const std::optional<DeviceInfo>& info, const Options& options, const std::vector<Variant>& variants,
-           StressDocument& document, std::vector<Json>& arithmetic, std::optional<StressReplay>& replay) {
-    std::unique_ptr<Device> device;
-    std::optional<Error> failure;
-    try {
-        if (info) device = std::make_unique<Device>(*info);
-    } catch (const Error& error) {
-        failure = error;
-    }
-    const MeasuredArithmetic measured = failure  ? MeasuredArithmetic{std::nullopt, failure->what()}
-                                        : device ? measureArithmetic(*device)
-                                                 : MeasuredArithmetic{measureHostArithmetic(), ""};
-    document.devices.back().arithmetic = describe(measured);
-    arithmetic.push_back(toJson(measured));
-    const Variant brute{"brute", {}};
-    StressSettings settings{.cases = document.cases,
-                            .draw = {.seed = options.seed, .times = options.isLong ? longTimes : 1},
-                            .rays = options.rayCount,
-                            .ray = options.ray,
-                            .device = document.devices.back().name,
-                            .deviceNumber = document.devices.size() - 1,
-                            .brute = failure ? unopened(*failure) : subjectOf(brute, device.get()),
-                            .bruteOnCpu = {},
-                            .subjects = {}};
-    for (const Variant& variant : variants) settings.subjects.push_back(subjectOf(variant, device.get()));
-    // Where the device computes as the CPU does, down to denormals, it must find what that finds.
-    if (device && measured.arithmetic && measured.arithmetic->ieee() && measured.arithmetic->denormals == "kept")
-        settings.bruteOnCpu = subjectOf(brute, nullptr);
-    Progress progress("stress");
-    const std::string prefix = options.device == "all" ? document.devices.back().name.substr(0, 12) + ", " : "";
-    StressReport report =
-        raig::stress(settings, [&](const std::string& step, double done) { progress.update(prefix + step, done); });
-    document.results.insert(document.results.end(), report.results.begin(), report.results.end());
-    document.devices.back().stopped = report.stopped;
-    if (replay && report.replay)
-        replay->answers.insert(replay->answers.end(), report.replay->answers.begin(), report.replay->answers.end());
-    else if (report.replay)
-        replay = std::move(report.replay);
-}
-
 /// Those of the cases; none with one ray, which are for the structures only.
 std::vector<Control> chooseControls(const Options& options, const std::vector<hard::Case>& cases) {
     if (options.onlyControls && options.ray)
@@ -150,8 +54,7 @@ std::vector<Control> chooseControls(const Options& options, const std::vector<ha
     if (options.ray) return {};
     std::vector<Control> controls = allControls();
     std::erase_if(controls, [&](const Control& control) {
-        return std::none_of(cases.begin(), cases.end(),
-                            [&](const hard::Case& one) { return one.number == control.number; });
+        return std::none_of(cases.begin(), cases.end(), [&](const hard::Case& one) { return one.number == control.number; });
     });
     if (options.onlyControls && controls.empty())
         throw usageError("--controls: there is none of what --case names; leave that out to run all");
@@ -212,6 +115,10 @@ void makeFolder(const std::filesystem::path& folder) {
 }  // namespace
 
 int stress(const Options& options) {
+    return stress(options, StressMakers{});
+}
+
+int stress(const Options& options, const StressMakers& makers) {
     const auto start = std::chrono::steady_clock::now();
     StressDocument document;
     document.version = RAIG_VERSION;
@@ -221,6 +128,10 @@ int stress(const Options& options) {
     document.replay = commandOf(options, /* forReplay= */ true);
     document.seed = options.seed;
     document.cases = chooseCases(options);
+    document.commit = commitId();
+    for (const hard::NotRun& one : hard::notRun())
+        if (options.cases.empty() || std::count(options.cases.begin(), options.cases.end(), one.number) > 0)
+            document.notRun.push_back(one);
     if (options.ray && document.cases.size() != 1) throw usageError("--ray is a ray of one case; name that by --case");
     const std::vector<Variant> variants = chooseVariants(options);
     const std::vector<Control> controls = chooseControls(options, document.cases);
@@ -232,7 +143,7 @@ int stress(const Options& options) {
         const std::vector<std::optional<DeviceInfo>> devices = chooseDevices(options);
         for (const std::optional<DeviceInfo>& info : devices) {
             document.devices.push_back(describeDevice(info, devices));
-            runOn(info, options, variants, document, arithmetic, replay);
+            runOn(info, options, makers, variants, document, arithmetic, replay);
         }
     }
     runControls(options, controls, document);
@@ -254,6 +165,7 @@ int stress(const Options& options) {
         else if (!document.results.empty())
             printResults(document, options.verbose);
         printControls(document);
+        printNotRun(document);
         if (!document.results.empty()) fmt::print("\n{} of {} answers are wrong", forbidden, document.rays());
         if (!document.controls.empty())
             fmt::print("{}{} of {} controls fail as they should", document.results.empty() ? "\n" : "; ",

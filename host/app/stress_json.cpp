@@ -27,7 +27,7 @@ Json toJson(const StressDocument& document, const StressResult& r) {
     Json json = {
         {"case", r.number},   {"what", whatOf(document, r.number)}, {"structure", r.structure}, {"options", r.options},
         {"device", r.device}, {"device_number", r.deviceNumber},    {"rays", r.rays},           {"hits", r.hits},
-        {"open", r.open},     {"forbidden", r.forbidden()}};
+        {"open", r.open},     {"forbidden", r.forbidden()},         {"counts", r.isOfPixels ? "pixels" : "rays"}};
     for (size_t fault = 1; fault < stressFaults; ++fault) json[stressFaultNames[fault]] = r.counts[fault];
     json["control"] = false;
     json["seed"] = document.seed;
@@ -117,12 +117,14 @@ Json toJson(const StressReplay& replay) {
 
 Json toJson(const StressDocument& document, const std::vector<Json>& arithmetic, const std::optional<StressReplay>& replay) {
     Json json = {{"version", document.version},
+                 {"commit", document.commit},
                  {"machine", {{"processor", document.processor}, {"threads", document.threads}}},
                  {"command", document.command},
                  {"seed", document.seed},
                  {"seconds", document.seconds},
                  {"devices", Json::array()},
                  {"results", Json::array()},
+                 {"not_run", Json::array()},
                  {"forbidden", document.forbidden()},
                  {"broken_controls", document.brokenControls()}};
     for (size_t i = 0; i < document.devices.size(); ++i) {
@@ -135,6 +137,8 @@ Json toJson(const StressDocument& document, const std::vector<Json>& arithmetic,
     }
     for (const StressResult& result : document.results) json["results"].push_back(toJson(document, result));
     for (const ControlResult& result : document.controls) json["results"].push_back(toJson(document, result));
+    for (const hard::NotRun& one : document.notRun)
+        json["not_run"].push_back({{"case", one.number}, {"what", one.what}, {"why", one.why}});
     if (replay) json["ray"] = toJson(*replay);
     return json;
 }

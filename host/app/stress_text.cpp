@@ -13,9 +13,10 @@ namespace {
 constexpr const char* rowFormat = "{:>4}  {:48} {:>9} {:>7} {:>7} {:>7} {:>7} {:>5} {:>5} {:>6} {:>10}  {}\n";
 
 void printRow(uint32_t number, const std::string& what, const StressResult& r, const std::string& note) {
-    fmt::print(rowFormat, number, what.substr(0, 48), r.rays, r.count(StressFault::missed), r.count(StressFault::phantom),
-               r.count(StressFault::wrong), r.count(StressFault::differs), r.count(StressFault::any),
-               r.count(StressFault::hung), r.count(StressFault::error),
+    fmt::print(rowFormat, number, what.substr(0, 48), fmt::format("{}{}", r.rays, r.isOfPixels ? " px" : ""),
+               r.count(StressFault::missed), r.count(StressFault::phantom), r.count(StressFault::wrong),
+               r.count(StressFault::differs), r.count(StressFault::any), r.count(StressFault::hung),
+               r.count(StressFault::error),
                fmt::format("{:.6g}", r.rays == 0 ? 0.0 : 1e6 * double(r.forbidden()) / double(r.rays)), note);
 }
 
@@ -64,6 +65,11 @@ void printControls(const StressDocument& document) {
                 fmt::print("{:>4}  {:58} {:>9} {:>9.2f} {:>12} {}{}\n", r.control.number, r.control.method.substr(0, 58),
                            r.findings.rays, r.findings.rate(), expectedRate(r.control), r.control.unit,
                            r.fails ? "" : "  the instrument is broken");
+}
+
+void printNotRun(const StressDocument& document) {
+    if (!document.notRun.empty()) fmt::print("\n{:>4}  {:58} {}\n", "case", "not run", "as");
+    for (const hard::NotRun& one : document.notRun) fmt::print("{:>4}  {:58} {}\n", one.number, one.what, one.why);
 }
 
 void printReplay(const StressDocument& document, const StressReplay& replay, uint64_t number) {

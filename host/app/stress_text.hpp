@@ -13,6 +13,9 @@ void printResults(const StressDocument& document, bool verbose);
 /// One line a control, those first that do not fail. Nothing if there is none.
 void printControls(const StressDocument& document);
 
+/// What of the catalogue is missing. Nothing if all is there.
+void printNotRun(const StressDocument& document);
+
 /// Ray `number` of the document's one case, and what each structure says of it.
 void printReplay(const StressDocument& document, const StressReplay& replay, uint64_t number);
 
