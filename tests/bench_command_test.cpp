@@ -26,6 +26,10 @@ ProgramResult bench(std::vector<std::string> arguments) {
     return runProgram(RAIG_PROGRAM, arguments);
 }
 
+bool isPeer(const Json& row) {
+    return row.at("structure") == "embree" || row["structure"] == "driver";
+}
+
 Json benched(std::vector<std::string> arguments) {
     arguments.emplace_back("--json");
     const ProgramResult result = bench(arguments);
@@ -51,7 +55,7 @@ TEST(BenchCommand, PrintsOneDocumentWithTheKeysOfTheDesign) {
         EXPECT_TRUE(row.at("device_mrays_per_s").is_null()) << "the processor has no clock of its own";
         EXPECT_EQ(row.at("threads"), 1);
         EXPECT_EQ(row.at("ratio_to_embree").is_null(), !hasEmbree);
-        if (row.at("structure") == "embree") continue;
+        if (isPeer(row)) continue;
         queries[row.at("rays")] = row.at("query");
         EXPECT_GT(row.at("counters").at("node_fetches"), 0);
         EXPECT_EQ(row["counters"].at("box_tests"), row["counters"]["node_fetches"]) << "a box a node";
@@ -100,7 +104,7 @@ TEST(BenchCommand, AsksBothQueriesOfAllSetsOnAllDevices) {
     std::map<std::string, std::set<uint64_t>> hits;
     std::map<std::string, int> rows;
     for (const Json& row : json.at("results")) {
-        if (row.at("structure") == "embree") continue;
+        if (isPeer(row)) continue;
         devices.insert(row.at("device"));
         hits[row.at("rays")].insert(row.at("hits").get<uint64_t>());
         ++rows[row["rays"]];
@@ -143,8 +147,7 @@ protected:
         Json document = run;
         for (Json& row : document["results"])
             for (const char* const key : {"ratio_to_embree", "mrays_per_s"})
-                if (row["structure"] != "embree" && !row[key].is_null())
-                    row[key]["median"] = row[key]["median"].get<double>() * factor;
+                if (!isPeer(row) && !row[key].is_null()) row[key]["median"] = row[key]["median"].get<double>() * factor;
         return document;
     }
     void expectRefused(const std::vector<std::string>& arguments, int exitCode, const std::string& mentions) const {
@@ -181,7 +184,7 @@ TEST_F(BenchBaseline, ExitsByWhetherAnythingIsSlower) {
 TEST_F(BenchBaseline, ComparesOneSlowOneAmongMany) {
     Json document = scaled(1e-6);
     for (Json& row : document["results"])
-        if (row["structure"] != "embree" && row["rays"] == "diffuse") {
+        if (!isPeer(row) && row["rays"] == "diffuse") {
             row["mrays_per_s"]["median"] = 1e9;
             row["ratio_to_embree"] = nullptr;  // then it is Mrays/s that are compared
         }

@@ -1,6 +1,7 @@
 // What `raig bench` measures with: the standard sets of rays, against an independent computation of their definition; the
 // time of structures and of Embree over them; threads.
 #include "base/threads.hpp"
+#include "measure/driver_peer.hpp"
 #include "measure/embree_peer.hpp"
 #include "measure/ray_sets.hpp"
 #include "measure/timing.hpp"
@@ -217,6 +218,37 @@ TEST(Embree, FindsTheSameHoweverItIsAsked) {
                 EXPECT_GT(traced.seconds, 0.0);
                 EXPECT_EQ(traced.hits, count) << int(width) << int(query) << robust;
             }
+}
+
+// Nothing on Debian 12 has it; newer versions of Mesa's llvmpipe do.
+TEST(Driver, FindsWhatBruteForceFinds) {
+    const Geometry g = bumps();
+    const std::vector<Ray> rays = setsOf(g, g.bounds, 64).primary;
+    std::vector<Hit> hits(rays.size());
+    const Structure structure = structureType("brute").build(primitivesOf(g), {});
+    makeCpuTracer(structure)->trace(rays, hits, Query::closest);
+    bool hasOne = false;
+    for (const DeviceInfo& info : listDevices()) {
+        if (!info.features.rayQuery) continue;
+        hasOne = true;
+        DriverPeer driver(info, g);
+        EXPECT_GT(driver.buildSeconds(), 0.0);
+        for (const Query query : {Query::closest, Query::any}) {
+            const std::unique_ptr<ResidentRays> placed = driver.place(rays, query);
+            for (int i = 0; i < 2; ++i) {
+                EXPECT_GT(placed->trace().seconds, 0.0);
+            }
+            const std::vector<Hit>& found = placed->hits();
+            ASSERT_EQ(found.size(), hits.size());
+            for (size_t k = 0; k < hits.size(); ++k) {
+                ASSERT_EQ(found[k].primitive != NO_HIT, hits[k].primitive != NO_HIT) << info.name << ' ' << k;
+                if (query == Query::closest && hits[k].primitive != NO_HIT) {
+                    EXPECT_NEAR(found[k].t, hits[k].t, 1e-5f * hits[k].t);  // a driver computes as it likes
+                }
+            }
+        }
+    }
+    if (!hasOne) GTEST_SKIP() << "no device here has VK_KHR_ray_query";
 }
 
 TEST(Threads, OfLibrariesAreKeptToFewerProcessors) {

@@ -46,6 +46,7 @@ const std::map<std::string, Names> allowedIncludes = {
 const std::map<std::string, std::string> generatedFiles = {
     {"all_structures.hpp", "host/structures"},  // the headers of registry.def's lines
     {"walks.def", "host/rays"},                 // the files of shaders/structures/
+    {"ray_query.h", "host/measure"},            // the SPIR-V of shaders/ray_query.glsl
 };
 
 /// Files that may include less than their folder.

@@ -36,8 +36,8 @@ std::string nameOf(const std::optional<DeviceInfo>& info) {
     return info ? info->name : "cpu";
 }
 
-/// Which peers there are, and why not.
-Json peersOf(const Devices& devices) {
+/// Which peers were measured, or why not. `without`: devices that have ray queries, and why they could not be asked.
+Json peersOf(const Json& results, const std::vector<std::string>& without) {
     Json peers;
     const std::optional<std::string> embree = embreeVersion();
     peers["embree"] = {{"measured", embree.has_value()}};
@@ -45,10 +45,9 @@ Json peersOf(const Devices& devices) {
         peers["embree"]["version"] = *embree;
     else
         peers["embree"]["why"] = "raig was built without Embree";
-    const bool hasRayQuery = std::ranges::any_of(devices, [](const auto& info) { return info && info->features.rayQuery; });
-    peers["driver"] = {
-        {"measured", false},
-        {"why", hasRayQuery ? "raig does not use a driver's VK_KHR_ray_query yet" : "no device here has VK_KHR_ray_query"}};
+    const bool hasDriver = std::ranges::any_of(results, [](const Json& row) { return row["structure"] == driverName; });
+    peers["driver"] = {{"measured", hasDriver}};
+    if (!hasDriver) peers["driver"]["why"] = without.empty() ? "no device here has VK_KHR_ray_query" : without.front();
     return peers;
 }
 
@@ -68,7 +67,7 @@ Json describeRun(const Devices& devices) {
             {"driver", list[0]["driver"]},
             {"arithmetic", list[0]["arithmetic"]},
             {"devices", list},
-            {"peers", peersOf(devices)},
+            {"peers", nullptr},  // known when all is measured
             {"results", Json::array()},
             {"builds", Json::array()}};
 }
@@ -76,9 +75,9 @@ Json describeRun(const Devices& devices) {
 /// What is odd about the numbers of hits: walks find the same everywhere, and nearly what Embree does.
 void remark(const BenchReport& report) {
     for (const BenchResult& r : report.results) {
-        if (r.structure == embreeName) continue;
+        if (isPeer(r.structure)) continue;
         const auto other = std::ranges::find_if(report.results, [&](const BenchResult& o) {
-            return o.structure != embreeName && o.rays == r.rays && o.query == r.query;
+            return !isPeer(o.structure) && o.rays == r.rays && o.query == r.query;
         });
         if (other->hits != r.hits)
             log::warn("{} of the {} rays hit by {} on {}, and {} by {} on {}: they should be the same", r.hits, r.rays,
@@ -140,11 +139,15 @@ int bench(const Options& options) {
         if (options.accel == type.name || (options.accel == "all" && type.name != "brute"))
             settings.structures.emplace_back(type.name);
     Json document = describeRun(settings.devices);
+    std::vector<std::string> withoutDriver;
     for (const std::filesystem::path& file : options.inputs) {
         const SceneBenches benches = benchScene(file, settings);
         addJson(document, benches);
+        for (const std::string& why : benches.report.withoutDriver)
+            withoutDriver.push_back(fmt::format("not measured in {}: {}", benches.scene, why));
         if (!options.json) printTables(benches);
     }
+    document["peers"] = peersOf(document["results"], withoutDriver);
     if (!options.json)
         for (const auto& [name, peer] : document["peers"].items())
             if (!peer["measured"]) fmt::print("{}: {}\n", name, peer["why"].get<std::string>());

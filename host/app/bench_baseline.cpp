@@ -39,7 +39,7 @@ template <class Visit>
 void forEachOwnRow(const Json& document, const Visit& visit) {
     std::map<std::string, int> seen;
     for (const Json& row : document.at("results")) {
-        if (row.at("structure") == embreeName) continue;
+        if (isPeer(row.at("structure").get<std::string>())) continue;
         const std::string subject = subjectOf(row);
         visit(subject + "#" + std::to_string(seen[subject]++), row);
     }

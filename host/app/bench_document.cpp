@@ -64,7 +64,7 @@ void addJson(Json& document, const SceneBenches& benches) {
         document["results"].push_back({{"scene", benches.scene},
                                        {"triangles", benches.triangles},
                                        {"structure", r.structure},
-                                       {"options", r.structure == embreeName ? r.walk : benches.options},
+                                       {"options", isPeer(r.structure) ? r.walk : benches.options},
                                        {"walk", r.walk},
                                        {"device", r.device},
                                        {"threads", threadCount()},

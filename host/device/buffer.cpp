@@ -83,6 +83,10 @@ BufferState::~BufferState() {
 
 std::shared_ptr<BufferState> makeBuffer(Device::State& device, uint64_t bytes, VkBufferUsageFlags usage, Memory kind) {
     RAIG_CHECK_OP(bytes, >, 0u);
+    const bool hasAddress = device.options.rayQuery && kind == Memory::device;
+    if (hasAddress)
+        usage |= VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR |
+                 VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR;
     const auto state = std::make_shared<BufferState>();
     state->device = &device;
     state->bytes = bytes;
@@ -107,6 +111,9 @@ std::shared_ptr<BufferState> makeBuffer(Device::State& device, uint64_t bytes, V
     VkMemoryAllocateInfo allocate = vk::init<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
     allocate.allocationSize = needs.size;
     allocate.memoryTypeIndex = *type;
+    VkMemoryAllocateFlagsInfo flags = vk::init<VkMemoryAllocateFlagsInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO);
+    flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
+    if (hasAddress) allocate.pNext = &flags;
     const VkResult result = device.call.vkAllocateMemory(device.handle, &allocate, nullptr, &state->memory);
     if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY)
         throw limitError("device '{}' has no memory left for a buffer of {} bytes; a smaller scene or picture may fit",

@@ -47,11 +47,27 @@ void openQueue(Device::State& state, VkPhysicalDevice physical) {
     queue.queueFamilyIndex = state.queueFamily;
     queue.queueCount = 1;
     queue.pQueuePriorities = &priority;
+    VkPhysicalDeviceBufferDeviceAddressFeatures address = vk::init<VkPhysicalDeviceBufferDeviceAddressFeatures>(
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES);
+    VkPhysicalDeviceAccelerationStructureFeaturesKHR structures = vk::init<VkPhysicalDeviceAccelerationStructureFeaturesKHR>(
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR);
+    VkPhysicalDeviceRayQueryFeaturesKHR queries =
+        vk::init<VkPhysicalDeviceRayQueryFeaturesKHR>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR);
+    address.pNext = &structures;
+    structures.pNext = &queries;
+    address.bufferDeviceAddress = structures.accelerationStructure = queries.rayQuery = VK_TRUE;
+    const char* const extensions[] = {VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME,
+                                      VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, VK_KHR_RAY_QUERY_EXTENSION_NAME};
     const VkPhysicalDeviceFeatures none{};  // robustBufferAccess above all: it costs, and indices are checked where built
     VkDeviceCreateInfo create = vk::init<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
     create.queueCreateInfoCount = 1;
     create.pQueueCreateInfos = &queue;
     create.pEnabledFeatures = &none;
+    if (state.options.rayQuery) {
+        create.pNext = &address;
+        create.enabledExtensionCount = std::size(extensions);
+        create.ppEnabledExtensionNames = extensions;
+    }
     vk::check(vkCreateDevice(physical, &create, nullptr, &state.handle), "be opened");
     volkLoadDeviceTable(&state.call, state.handle);
     state.call.vkGetDeviceQueue(state.handle, state.queueFamily, 0, &state.queue);
@@ -95,6 +111,7 @@ Device::Device(const DeviceInfo& info, const DeviceOptions& options) : state_(st
     const std::vector<vk::Physical>& devices = vk::physicalDevices();
     RAIG_CHECK_OP(info.index, <, devices.size());
     const vk::Physical& physical = devices[info.index];
+    RAIG_CHECK(!options.rayQuery || physical.info.features.rayQuery);
     State& state = *state_;
     state.info = physical.info;
     state.options = options;

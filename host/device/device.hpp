@@ -41,7 +41,7 @@ struct DeviceFeatures {
     bool bufferDeviceAddress = false;
     bool scalarBlockLayout = false;
     bool timestamps = false;
-    bool rayQuery = false;
+    bool rayQuery = false;                        ///< VK_KHR_ray_query, and what it needs
     bool graphics = false;                        ///< a queue that draws
     bool keepsDenormals = false;                  ///< float controls: can be told to keep them (32 bit)
     bool flushesDenormals = false;                ///< float controls: can be told to flush them (32 bit)
@@ -77,6 +77,7 @@ struct DeviceOptions {
     uint64_t largestBindingElements =
         0;                         ///< pretends one binding of a BigArray holds no more than these (tests); 0: as it is
     bool stagesTransfers = false;  ///< copies through a staging buffer even where memory could be mapped (tests)
+    bool rayQuery = false;         ///< open it with DeviceFeatures::rayQuery, which must be there; buffers are made for it
     bool diskCache = true;         ///< keep compiled pipelines in the user's cache folder
 };
 

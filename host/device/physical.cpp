@@ -168,7 +168,10 @@ std::optional<Physical> examine(VkPhysicalDevice device) {
     found.info.apiVersion = describeVersion(properties.apiVersion);
     found.info.limits = limitsOf(query, families[*family]);
     found.info.features = featuresOf(query, families, *family);
-    found.info.features.rayQuery = hasExtension(device, VK_KHR_RAY_QUERY_EXTENSION_NAME);
+    found.info.features.rayQuery = hasExtension(device, VK_KHR_RAY_QUERY_EXTENSION_NAME) &&
+                                   hasExtension(device, VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME) &&
+                                   hasExtension(device, VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME) &&
+                                   query.address.bufferDeviceAddress && properties.apiVersion >= VK_API_VERSION_1_2;
     found.info.prefersTexel =
         query.driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE && found.info.limits.texelBufferElements >= (uint64_t{1} << 24);
     found.cacheKey = cacheKeyOf(query, found.info);

@@ -1,6 +1,7 @@
 #include "measure/bench.hpp"
 
 #include "base/error.hpp"
+#include "measure/driver_peer.hpp"
 #include "measure/embree_peer.hpp"
 #include "rays/primitives.hpp"
 
@@ -15,7 +16,7 @@ namespace {
 constexpr uint32_t warmUps = 2;
 constexpr double shortest = 0.02;   // seconds: a pair of runs that takes less is repeated, as others may have the processor
 constexpr double mostTimes = 20.0;  // it is
-constexpr double longBuild = 10.0;  // seconds: what takes so long is not noise
+constexpr double longTime = 10.0;   // seconds: what takes so long is done once
 
 /// One set of rays, and what they are asked for.
 struct Batch {
@@ -57,6 +58,7 @@ public:
                 const MeasuringCamera camera = measuringCamera(geometry_, geometry_.bounds);
                 sets_ = makeRaySets(geometry_, geometry_.bounds, camera, settings_.side, *walked->cpu);
                 measuresPeers_ = embree_ && embree_->makeRobust(geometry_);
+                makeDrivers();
             }
             for (const Batch& batch : batches()) {
                 progress_(name + ": " + batch.name, share());
@@ -64,6 +66,7 @@ public:
                 if (!batch.rays.empty()) measure(*walked, batch);
             }
             measuresPeers_ = false;  // but once
+            drivers_.clear();
         }
         return std::move(report_);
     }
@@ -93,7 +96,7 @@ private:
             walked->structure = structureType(name).build(primitives_, settings_.params);
             seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
             if (embree_) ratios.push_back(seconds.back() / embree_->buildSeconds());
-            if (seconds.back() > longBuild) break;
+            if (seconds.back() > longTime) break;
         }
         const Structure& structure = walked->structure;
         BenchBuild& build =
@@ -108,10 +111,12 @@ private:
     /// Each entrant in turn with Embree, one entrant after the other, and all that again.
     void measure(Walked& walked, const Batch& batch) {
         std::vector<Entrant> entrants = waysOfEmbree(batch);
+        addDrivers(batch, entrants);
         addWalks(walked, batch, entrants);
         uint64_t embreeHits = 0;
         for (uint32_t i = 0; i < warmUps + settings_.repetitions; ++i)
             for (Entrant& entrant : entrants) {
+                if (!entrant.seconds.empty() && entrant.seconds.front() > longTime) continue;
                 double embree = 0.0, own = 0.0, device = 0.0;
                 for (uint32_t k = 0; k < entrant.times; ++k) {
                     if (embree_) {
@@ -123,7 +128,7 @@ private:
                     own += report.seconds / entrant.times;
                     device += report.deviceSeconds / entrant.times;
                 }
-                if (i < warmUps) {
+                if (i < warmUps && own <= longTime) {
                     entrant.times = static_cast<uint32_t>(std::clamp(std::ceil(shortest / (embree + own)), 1.0, mostTimes));
                     continue;
                 }
@@ -142,6 +147,29 @@ private:
         if (embree_)
             result.toEmbree = {megaRaysOf(entrant.embreeSeconds, result.count), quartilesOf(entrant.ratios), embreeHits};
         return result;
+    }
+
+    void makeDrivers() {
+        for (const auto& info : settings_.devices) {
+            if (!info || !info->features.rayQuery) continue;
+            if (!geometry_.spheres.empty() || geometry_.triangles.empty()) {
+                report_.withoutDriver.push_back(info->name + ": only scenes of triangles are given to ray queries");
+                continue;
+            }
+            try {
+                drivers_.push_back(std::make_unique<DriverPeer>(*info, geometry_));
+            } catch (const Error& error) {  // what a peer cannot do does not keep raig from it
+                report_.withoutDriver.push_back(error.what());
+            }
+        }
+    }
+
+    void addDrivers(const Batch& batch, std::vector<Entrant>& entrants) const {
+        for (const auto& driver : drivers_) {
+            BenchResult result = resultOf(driverName, "ray query", nullptr, batch);
+            result.device = driver->device();
+            entrants.push_back({std::move(result), timed(driver->place(batch.rays, batch.query))});
+        }
     }
 
     std::vector<Entrant> waysOfEmbree(const Batch& batch) {
@@ -168,16 +196,20 @@ private:
         const WalkCounters counters = walked.cpu->trace(batch.rays, ignored, batch.query).counters;  // the same everywhere
         for (size_t i = 0; i < devices_.size(); ++i) {
             Device* const device = devices_[i].get();
-            const auto rays = device ? std::make_shared<ResidentRays>(*walked.onDevices[i], *device, batch.rays, batch.query)
-                                     : std::make_shared<ResidentRays>(*walked.cpu, batch.rays, batch.query);
-            entrants.push_back({resultOf(walked.structure.name, walked.structure.walk, device, batch), [=](uint64_t& hits) {
-                                    const TraceReport report = rays->trace();
-                                    hits = std::ranges::count_if(rays->hits(),
-                                                                 [](const Hit& hit) { return hit.primitive != NO_HIT; });
-                                    return report;
-                                }});
+            auto rays = device ? std::make_unique<ResidentRays>(*walked.onDevices[i], *device, batch.rays, batch.query)
+                               : std::make_unique<ResidentRays>(*walked.cpu, batch.rays, batch.query);
+            entrants.push_back(
+                {resultOf(walked.structure.name, walked.structure.walk, device, batch), timed(std::move(rays))});
             entrants.back().result.counters = counters;
         }
+    }
+
+    static std::function<TraceReport(uint64_t&)> timed(std::shared_ptr<ResidentRays> rays) {
+        return [rays](uint64_t& hits) {
+            const TraceReport report = rays->trace();
+            hits = std::ranges::count_if(rays->hits(), [](const Hit& hit) { return hit.primitive != NO_HIT; });
+            return report;
+        };
     }
 
     static BenchResult resultOf(const std::string& structure, const std::string& walk, const Device* device,
@@ -199,6 +231,7 @@ private:
     std::vector<std::unique_ptr<Device>> devices_;  ///< none: the CPU path
     std::unique_ptr<EmbreePeer> embree_;
     bool measuresPeers_ = false;
+    std::vector<std::unique_ptr<DriverPeer>> drivers_;
     RaySets sets_;
     BenchReport report_;
     size_t stepsDone_ = 0;

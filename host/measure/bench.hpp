@@ -20,12 +20,16 @@ struct BenchSettings {
     bool bothQueries = false;  ///< of each set; else the one that such rays are for: any of shadow, closest of the others
 };
 
-/// Name of Embree, where structures have theirs.
+/// Names of the peers, where structures have theirs.
 inline constexpr const char* embreeName = "embree";
+inline constexpr const char* driverName = "driver";
+inline bool isPeer(std::string_view structure) {
+    return structure == embreeName || structure == driverName;
+}
 
 struct BenchResult {
     std::string structure;  ///< or the peer
-    std::string walk;       ///< of a peer, how it is asked: single, packet8, single robust, packet8 robust
+    std::string walk;       ///< of a peer, how it is asked: single, packet8, single robust, packet8 robust; ray query
     std::string device;     ///< its name; of the CPU path and of Embree, cpu
     std::string rays;       ///< primary, shadow, diffuse or specular
     Query query = Query::closest;
@@ -54,6 +58,7 @@ struct BenchBuild {
 struct BenchReport {
     std::vector<BenchBuild> builds;
     std::vector<BenchResult> results;
+    std::vector<std::string> withoutDriver;  ///< devices that have ray queries, but could not make one of the scene; and why
 };
 
 /// Builds and traces one scene. Embree's other ways are measured once a scene, beside the first structure. `progress` is

@@ -26,10 +26,15 @@ Quartiles megaRaysOf(const std::vector<double>& seconds, uint64_t rays) {
 }
 
 ResidentRays::ResidentRays(Tracer& tracer, std::span<const Ray> rays, Query query)
-    : tracer_(tracer), rays_(rays), query_(query), hits_(rays.size()) {}
+    : hits_(rays.size()), traceOnCpu_([this, &tracer, rays, query] { return tracer.trace(rays, hits_, query); }) {}
 
 ResidentRays::ResidentRays(DeviceTracer& tracer, Device& device, std::span<const Ray> rays, Query query, size_t batch)
-    : tracer_(tracer), onDevice_(&tracer), rays_(rays), query_(query), hits_(rays.size()) {
+    : ResidentRays([&tracer, query](Buffer& from, Buffer& to,
+                                    uint32_t count) { return tracer.traceBuffers(from, to, count, query, false); },
+                   device, rays, batch) {}
+
+ResidentRays::ResidentRays(TraceBuffers trace, Device& device, std::span<const Ray> rays, size_t batch)
+    : hits_(rays.size()), traceBuffers_(std::move(trace)) {
     for (size_t first = 0; first < rays.size(); first += batch) {
         const size_t count = std::min(batch, rays.size() - first);
         batches_.push_back(
@@ -41,9 +46,9 @@ ResidentRays::ResidentRays(DeviceTracer& tracer, Device& device, std::span<const
 TraceReport ResidentRays::trace() {
     const auto start = std::chrono::steady_clock::now();
     TraceReport sum;
-    if (!onDevice_) sum = tracer_.trace(rays_, hits_, query_);
+    if (traceOnCpu_) sum = traceOnCpu_();
     for (Batch& batch : batches_) {
-        const TraceReport report = onDevice_->traceBuffers(batch.rays, batch.hits, batch.count, query_, false);
+        const TraceReport report = traceBuffers_(batch.rays, batch.hits, batch.count);
         sum.deviceSeconds += report.deviceSeconds;
         sum.counters += report.counters;
     }

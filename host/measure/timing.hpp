@@ -4,6 +4,7 @@
 #include "device/buffer.hpp"
 #include "rays/tracer.hpp"
 
+#include <functional>
 #include <vector>
 
 namespace raig {
@@ -23,9 +24,18 @@ Quartiles megaRaysOf(const std::vector<double>& seconds, uint64_t rays);
 class ResidentRays {
 public:
     ResidentRays(Tracer& tracer, std::span<const Ray> rays, Query query);
+
+    static constexpr size_t batchRays = 1u << 21;
     /// `device` is the tracer's. `batch`: how many rays a buffer holds. Throws limitError where there is no room for rays
     /// and hits, 48 bytes each.
-    ResidentRays(DeviceTracer& tracer, Device& device, std::span<const Ray> rays, Query query, size_t batch = 1u << 21);
+    ResidentRays(DeviceTracer& tracer, Device& device, std::span<const Ray> rays, Query query, size_t batch = batchRays);
+
+    /// The same of what else traces on a device: rays of one buffer into hits of another, to the end.
+    using TraceBuffers = std::function<TraceReport(Buffer& rays, Buffer& hits, uint32_t count)>;
+    ResidentRays(TraceBuffers trace, Device& device, std::span<const Ray> rays, size_t batch = batchRays);
+
+    ResidentRays(const ResidentRays&) = delete;
+    ResidentRays& operator=(const ResidentRays&) = delete;
 
     /// Traces all of them. `seconds` is wall time; `counters` are the CPU's, or those of a tracer that counts.
     TraceReport trace();
@@ -38,11 +48,9 @@ private:
         uint32_t count;
     };
 
-    Tracer& tracer_;
-    DeviceTracer* onDevice_ = nullptr;
-    std::span<const Ray> rays_;
-    Query query_;
     std::vector<Hit> hits_;
+    std::function<TraceReport()> traceOnCpu_;
+    TraceBuffers traceBuffers_;
     std::vector<Batch> batches_;  ///< on a device, as one buffer holds only so much
 };
 
