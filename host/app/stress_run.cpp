@@ -14,6 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr uint32_t longTimes = 30;
+constexpr uint32_t placesCase = 63;  // of meshes in several places
 
 /// A device that cannot be opened answers no ray: so the first case says, and the run goes on with the others.
 StressSubject unopened(const Error& error) {
@@ -31,11 +32,20 @@ bool hasCase(const StressDocument& document, uint32_t number) {
                        [&](const hard::Case& one) { return one.number == number; });
 }
 
+/// The first way to build and walk each structure, unless one structure was asked for: that all ways find the same is seen
+/// by rays, which take less time than pictures do.
+std::vector<Variant> onePerStructure(const Options& options, std::vector<Variant> variants) {
+    if (options.accelGiven && options.accel != "all") return variants;
+    std::set<std::string> seen;
+    std::erase_if(variants, [&](const Variant& variant) { return !seen.insert(variant.structure).second; });
+    return variants;
+}
+
 StressReport runRays(const Options& options, const StressMakers& makers, const std::vector<Variant>& variants,
-                     const StressDocument& document, Device* device, const std::optional<Error>& failure, bool isExact,
-                     const Told& progress) {
+                     const std::vector<hard::Case>& cases, const StressDocument& document, Device* device,
+                     const std::optional<Error>& failure, bool isExact, const Told& progress) {
     const Variant brute{"brute", {}};
-    StressSettings settings{.cases = document.cases,
+    StressSettings settings{.cases = cases,
                             .draw = drawOf(options),
                             .rays = options.rayCount,
                             .ray = options.ray,
@@ -44,19 +54,9 @@ StressReport runRays(const Options& options, const StressMakers& makers, const s
                             .brute = failure ? unopened(*failure) : makers.rays(brute, device),
                             .bruteOnCpu = {},
                             .subjects = {}};
-    std::erase_if(settings.cases, [&](const hard::Case& one) { return !one.isOfRays(); });
     for (const Variant& variant : variants) settings.subjects.push_back(makers.rays(variant, device));
     if (isExact) settings.bruteOnCpu = makers.rays(brute, nullptr);
     return raig::stress(settings, progress);
-}
-
-/// The first way to build and walk each structure, unless one structure was asked for: that all ways find the same is seen
-/// by rays, which take less time than pictures do.
-std::vector<Variant> onePerStructure(const Options& options, std::vector<Variant> variants) {
-    if (options.accelGiven && options.accel != "all") return variants;
-    std::set<std::string> seen;
-    std::erase_if(variants, [&](const Variant& variant) { return !seen.insert(variant.structure).second; });
-    return variants;
 }
 
 StressReport runPictures(const Options& options, const StressMakers& makers, const std::vector<Variant>& variants,
@@ -163,9 +163,20 @@ void runOn(const std::optional<DeviceInfo>& info, const Options& options, const 
         else if (report.replay)
             replay = std::move(report.replay);
     };
-    take(runRays(options, makers, variants, document, device.get(), failure, isExact,
+    std::vector<hard::Case> ofRays = document.cases, ofPlaces;
+    std::erase_if(ofRays, [&](const hard::Case& one) { return !one.isOfRays(); });
+    // Kernels for two levels are others than for one, and take long to be loaded.
+    if (!options.isLong)
+        std::erase_if(ofRays, [&](const hard::Case& one) {
+            if (one.number == placesCase) ofPlaces.push_back(one);
+            return one.number == placesCase;
+        });
+    take(runRays(options, makers, variants, ofRays, document, device.get(), failure, isExact,
                  [&](const std::string& step, double done) { progress.update(prefix + step, 0.8 * done); }));
     if (failure && !here.stopped) here.stopped = failure;
+    if (!here.stopped)
+        take(runRays(options, makers, onePerStructure(options, variants), ofPlaces, document, device.get(), failure, isExact,
+                     [&](const std::string& step, double) { progress.update(prefix + step, 0.8); }));
     if (!here.stopped)
         take(runPictures(options, makers, variants, document, device.get(),
                          [&](const std::string& step, double done) { progress.update(prefix + step, 0.8 + 0.2 * done); }));

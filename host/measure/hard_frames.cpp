@@ -105,8 +105,7 @@ std::vector<PictureScene> limits(const Draw&) {
 std::vector<PictureScene> tiles(const Draw&) {
     PictureScene scene{.name = "tiles of 1 to 64 pixels", .scene = varied(), .fault = nothing, .sameBits = true};
     for (const uint32_t tile : {0u, 1u, 7u, 64u}) {
-        scene.options.push_back(pictureOf(9, 7, 4));
-        scene.options.back().samples = 2;
+        scene.options.push_back(pictureOf(9, 5, 3));
         scene.options.back().tilePixels = tile;
     }
     return {scene};

@@ -42,8 +42,8 @@ std::vector<PictureScene> mirrors(const Draw&) {
 }
 
 /// Case 53: panes that reflect half of the light and let the other half pass, `count` on each side of the camera. Of light
-/// that is 1 everywhere nothing is lost.
-PictureScene panes(int count) {
+/// that is 1 everywhere nothing is lost. Each level has twice the rays of the one before.
+PictureScene panes(int count, uint32_t depth, const std::vector<float>& contributions) {
     PictureScene scene{.name = fmt::format("{} panes on each side", count), .scene = whiteSky(), .fault = furnaceFault};
     Material pane = glass(5.8284273f);  // ((n - 1) / (n + 1))^2 = 1/2
     pane.thin = true;
@@ -51,13 +51,13 @@ PictureScene panes(int count) {
         for (const float z : {float(2 * i + 1), float(-2 * i - 1)})
             addQuad(scene.scene, {-20, -20, z}, {40, 0, 0}, {0, 40, 0}, pane);
     scene.scene.cameras.push_back(cameraAt({0.1f, 0.2f, 0}, {0, 0, -1}, 0.001f));
-    for (const float least : {0.0f, 1.0f / 1024.0f, 1.0f / 257.0f, 1.0f / 255.0f, 0.1f, 0.7f})
-        scene.options.push_back(pictureOf(1, 2, 9, least));
+    for (const float least : contributions) scene.options.push_back(pictureOf(2, 2, depth, least));
     return scene;
 }
 
 std::vector<PictureScene> branches(const Draw&) {
-    return {panes(1), panes(3), panes(12)};
+    return {panes(1, 12, {0.0f, 1.0f / 1024.0f, 0.1f, 0.7f}), panes(3, 6, {0.0f, 1.0f / 33.0f, 1.0f / 31.0f}),
+            panes(12, 8, {1.0f / 255.0f})};
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ Control sphereControl(const char* method, double low, double high, size_t index,
                 }
                 return findings;
             },
-            4};
+            12};
 }
 
 /// By how many ULP the distance is off, on average, where both have a hit.
@@ -69,7 +69,7 @@ Control sphereErrorControl(const char* method, double low, double high, size_t i
                 findings.measured = findings.rays == 0 ? 0.0 : sum / double(findings.rays);
                 return findings;
             },
-            4,
+            12,
             false,
             "ULP"};
 }

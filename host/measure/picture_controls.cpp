@@ -42,7 +42,7 @@ ControlFindings withoutBound(const hard::Draw& draw) {
     FrameOptions options;
     options.width = options.height = 16;
     options.samples = 1;
-    options.maxDepth = 9;
+    options.maxDepth = 8;
     options.minContribution = 1.0f / 255.0f;
     return darkness(hard::recursionCases().at(1), 2, options, 1.0, draw);
 }
