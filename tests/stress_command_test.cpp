@@ -7,6 +7,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
 
 namespace raig {
@@ -118,6 +119,32 @@ TEST(StressCommand, ShowsWhatEachSaysOfOneRay) {
     EXPECT_EQ(ray.at("exact").at("primitive"), ray.at("answers").at(0).at("closest").at("primitive"));
 }
 
+// Pictures, corrupt links and meshes in several places, and what of the catalogue is missing, by name.
+TEST(StressCommand, RunsCasesOfOtherKindsAndNamesWhatIsMissing) {
+    std::vector<std::string> arguments = {"--json"};
+    for (const char* const number : {"50", "51", "52", "55", "60", "62", "63"}) {
+        arguments.emplace_back("--case");
+        arguments.emplace_back(number);
+    }
+    const ProgramResult result = quickStress(arguments);
+    EXPECT_EQ(result.exitCode, 0) << result.errors;
+    const Json json = Json::parse(result.output);
+    EXPECT_GE(json.at("commit").get<std::string>().size(), 7u);
+    std::map<int, std::set<std::string>> structures;
+    for (const Json& one : json.at("results")) {
+        if (one.at("control").get<bool>()) continue;
+        const int number = one.at("case");
+        structures[number].insert(one.at("structure").get<std::string>());
+        EXPECT_EQ(one.at("counts"), number > 51 && number < 62 ? "pixels" : "rays") << number;
+        EXPECT_EQ(one.at("forbidden"), 0);
+    }
+    EXPECT_EQ(structures.size(), 7u);
+    for (const auto& [number, names] : structures) EXPECT_EQ(names.contains("brute"), number != 62) << number;
+    ASSERT_EQ(json.at("not_run").size(), 1u);
+    EXPECT_EQ(json.at("not_run").at(0).at("case"), 60);
+    EXPECT_NE(quickStress({"--case", "60"}).output.find("cannot be resumed yet"), std::string::npos);
+}
+
 void expectUsageError(const ProgramResult& result, const std::string& mentions, int exitCode = 2) {
     EXPECT_EQ(result.exitCode, exitCode) << result.errors;
     EXPECT_EQ(result.output, "");
@@ -127,6 +154,8 @@ void expectUsageError(const ProgramResult& result, const std::string& mentions, 
 
 TEST(StressCommand, RefusesWhatItCannotDo) {
     expectUsageError(stress({"--case", "35"}), "--case 35: there is no such case; there are 1, 2,");
+    expectUsageError(stress({"--case", "57"}), "--case 57: item buffer against traced first hits: not run, as there is no");
+    expectUsageError(stress({"--case", "52", "--ray", "1"}), "case 52 is not one of single rays");
     expectUsageError(stress({"--case", "x"}), "--case x");
     expectUsageError(stress({"--rays", "0"}), "--rays 0");
     expectUsageError(stress({"--ray", "1"}), "name that by --case");

@@ -347,8 +347,8 @@ void addStress(CLI::App& app, Options& options) {
         "  raig stress --case 13 --seed 7 --ray 42\n"
         "--device all: all devices and the CPU, one after the other.\n"
         "Exits with 1 if an answer is missed, invented or wrong by exact arithmetic, differs from brute force's bits, or\n"
-        "never comes; or if a control does not fail as it should. Where a device is lost or a limit reached, the others\n"
-        "still run and results are written: then it exits with 4 or 5.");
+        "never comes; if a pixel is not what is known of it; or if a control does not fail as it should. Where a device\n"
+        "is lost or a limit reached, the others still run and results are written: then it exits with 4 or 5.");
 }
 
 void addInfo(CLI::App& app, Options& options) {

@@ -15,8 +15,8 @@ namespace {
 constexpr const char* style = R"(
 td.what, th.what { text-align: left; white-space: normal; min-width: 9rem; }
 td.how { white-space: normal; } tbody th { font-weight: 400; white-space: normal; min-width: 8.5rem; }
-@media (max-width: 30rem) { table { font-size: 0.75rem; } th, td { padding: 0.3rem 0.18rem; }
-  thead th { white-space: normal; } tbody th { min-width: 5.5rem; } td.what, th.what { min-width: 5.5rem; } }
+@media (max-width: 30rem) { table { font-size: 0.7rem; } th, td { padding: 0.3rem 0.13rem; }
+  thead th { white-space: normal; } tbody th { min-width: 4.6rem; } td.what, th.what { min-width: 4.5rem; } }
 )";
 
 /// "1,234,567"
@@ -57,7 +57,7 @@ std::string overview(const StressDocument& document, size_t device) {
         if (!rays.contains(hardCase.number)) continue;
         table += "<tr><th>" + nameOf(hardCase) + "</th>";
         for (const std::string& structure : structures) table += numberCell(forbidden[{hardCase.number, structure}]);
-        table += fmt::format("<td>{}</td></tr>\n", rays[hardCase.number]);
+        table += fmt::format("<td class=\"how\">{}</td></tr>\n", rays[hardCase.number]);
     }
     return table + "</tbody></table></div>\n";
 }
@@ -72,10 +72,12 @@ std::string controlTable(const StressDocument& document) {
                                          std::pair(r.findings.wrong, "wrong"), std::pair(r.findings.hung, "hung")})
             if (count > 0) failures += fmt::format("{}{} {}", failures.empty() ? "" : ", ", grouped(count), how);
         table += fmt::format(
-            "<tr><td><b>{}</b></td><td class=\"what\">{}</td><td>{}</td><td class=\"how\">{}</td><td>{:.2f} "
-            "{}</td><td>{}</td>"
-            "<td class=\"{}\">{}</td></tr>\n",
-            r.control.number, escapedMarkup(r.control.method), grouped(r.findings.rays), failures.empty() ? "0" : failures,
+            "<tr><td><b>{}</b></td><td class=\"what\">{}</td><td>{}</td><td class=\"how\">{}</td>"
+            "<td class=\"how\">{:.2f} {}</td><td class=\"how\">{}</td><td class=\"{}\">{}</td></tr>\n",
+            r.control.number, escapedMarkup(r.control.method), grouped(r.findings.rays),
+            !failures.empty()     ? failures
+            : r.findings.measured ? ""
+                                  : "0",
             r.findings.rate(), r.control.unit, expectedRate(r.control), r.fails ? "good" : "bad", r.fails ? "yes" : "NO");
     }
     return table + "</tbody></table></div>\n";
