@@ -20,14 +20,10 @@ PictureScene skyAndGlow() {
     scene.scene.sky = {.zenith = vec3(1.0f), .horizon = vec3(0.0f), .ground = vec3(0.5f)};
     addQuad(scene.scene, {-0.5f, -0.25f, -3}, {1.5f, 0.125f, 0}, {0.25f, 1, 0}, glowing(2.0f));
     scene.scene.cameras.push_back(cameraAt({0, 0, 0}, {0.1f, 0.2f, -1}, 0.9f));
-    const raig::Scene whole = scene.scene;
-    const auto oracle = std::make_shared<Oracle>(primitivesOf(flatten(whole)));
-    scene.fault = [whole, oracle](const Picture& picture, const FrameOptions& options, size_t pixel) -> std::string {
-        static thread_local std::vector<Ray> rays;
-        static thread_local uvec2 size(0);
-        if (size != uvec2(options.width, options.height)) rays = cameraRays(whole, options);
-        size = {options.width, options.height};
-        const Ray& ray = rays.at(pixel);
+    const auto oracle = std::make_shared<Oracle>(primitivesOf(flatten(scene.scene)));
+    scene.fault = [rayOf = pixelRays(scene.scene), oracle](const Picture& picture, const FrameOptions& options,
+                                                           size_t pixel) -> std::string {
+        const Ray ray = rayOf(options, pixel);
         const double height = ray.direction.y, sky = height >= 0.0 ? height : -0.5 * height;
         const double want = oracle->closest(ray).primitive != NO_HIT ? 2.0 : sky, seen = picture.radiance[pixel].x;
         if (std::abs(seen - want) <= 4.0 * 0x1p-24 || (oracle->isOpen(ray) && std::abs(seen - sky) <= 4.0 * 0x1p-24) ||

@@ -61,9 +61,9 @@ PictureScene slab(float ior) {
     addQuad(scene.scene, {-400, -400, -1}, {0, 800, 0}, {800, 0, 0}, glass(ior));
     scene.scene.cameras.push_back(cameraAt({0, 0, 2}, {0, 0.5f, -1}, 0.6f));
     scene.options.push_back(pictureOf(9, 9, 12));
-    const raig::Scene whole = scene.scene;
-    scene.fault = [whole](const Picture& picture, const FrameOptions& options, size_t pixel) -> std::string {
-        const double height = std::abs(double{cameraRays(whole, options)[pixel].direction.y});
+    scene.fault = [rayOf = pixelRays(scene.scene)](const Picture& picture, const FrameOptions& options,
+                                                   size_t pixel) -> std::string {
+        const double height = std::abs(double{rayOf(options, pixel).direction.y});
         const double seen = picture.radiance[pixel].x, want = height * (1.0 - picture.discarded[pixel]);
         if (std::abs(seen - want) <= roundingOf(options.maxDepth)) return "";
         return fmt::format("{:.9g} instead of {:.9g}", seen, want);
@@ -147,9 +147,9 @@ PictureScene absorbing(float offset) {
     camera.xmag = camera.ymag = 1.02f;
     scene.scene.cameras.push_back(camera);
     scene.options.push_back(pictureOf(33, 33, 4));
-    const raig::Scene whole = scene.scene;
-    scene.fault = [whole, offset](const Picture& picture, const FrameOptions& options, size_t pixel) -> std::string {
-        const dvec3 from = dvec3(cameraRays(whole, options)[pixel].origin) - dvec3(double{offset});
+    scene.fault = [rayOf = pixelRays(scene.scene), offset](const Picture& picture, const FrameOptions& options,
+                                                           size_t pixel) -> std::string {
+        const dvec3 from = dvec3(rayOf(options, pixel).origin) - dvec3(double{offset});
         const double height = std::hypot(from.x, from.y), slack = 64.0 * 0x1p-24 * (4.0 + std::abs(offset));
         const auto left = [&](double h) { return h >= 1.0 ? 1.0 : std::pow(0.5, 2.0 * std::sqrt(1.0 - h * h)); };
         const double least = left(std::max(0.0, height - slack)) - 2.0 * slack, most = left(height + slack) + 2.0 * slack;

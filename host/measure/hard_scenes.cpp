@@ -101,6 +101,19 @@ Camera cameraAt(const vec3& eye, const vec3& forward, float yfov) {
     return camera;
 }
 
+std::function<Ray(const FrameOptions&, size_t)> pixelRays(const raig::Scene& scene) {
+    struct Kept {
+        uvec2 size{0};
+        std::vector<Ray> rays;
+    };
+    return [scene, kept = std::make_shared<Kept>()](const FrameOptions& options, size_t pixel) {
+        const uvec2 size(options.width, options.height);
+        if (kept->size != size) kept->rays = cameraRays(scene, options);
+        kept->size = size;
+        return kept->rays.at(pixel);
+    };
+}
+
 FrameOptions pictureOf(uint32_t width, uint32_t height, uint32_t maxDepth, float minContribution) {
     FrameOptions options;
     options.width = width;

@@ -4,6 +4,7 @@
 #include "rays/frame.hpp"
 #include "scene/scene.hpp"
 
+#include <functional>
 #include <vector>
 
 namespace raig::hard {
@@ -29,6 +30,9 @@ raig::Scene whiteSky();
 
 /// A camera at `eye` that looks along `forward`.
 Camera cameraAt(const vec3& eye, const vec3& forward, float yfov);
+
+/// The ray of a pixel of a picture of the scene. Not for use by two threads at once: those of the last picture are kept.
+std::function<Ray(const FrameOptions& options, size_t pixel)> pixelRays(const raig::Scene& scene);
 
 /// One sample through each pixel's centre.
 FrameOptions pictureOf(uint32_t width, uint32_t height, uint32_t maxDepth, float minContribution = 0.0f);

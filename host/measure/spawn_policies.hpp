@@ -32,7 +32,8 @@ struct SpawnScale {
     double size = 1.0;   ///< the radius of the body whose surface they are on: their sides are up to a third as long
     double place = 0.0;  ///< how far the body lies from the origin, along each axis
     /// From the one triangle to the other, as a part of the size; but no less than 8 ULP of the distance |p| of its nearest
-    /// corner from the origin: 0 for that. (By so much error bounds leave a triangle only if |p| is no less than its sides.)
+    /// corner from the origin: 0 for that. (Error bounds grow with the triangle, too:
+    /// where it is longer than a third of |p|, they may be wider than that.)
     double gap = 1e-3;
 };
 
