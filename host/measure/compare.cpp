@@ -52,14 +52,27 @@ double distanceTo(const Geometry& geometry, const dvec3& point, uint32_t id) {
     return reference::distanceToTriangle(point, k.a, k.b, k.c);
 }
 
-/// True if the ray passes within the tolerance of the device's triangle, not behind what the oracle sees.
+/// How far the tolerance of a triangle moves a hit of it along the ray, edge-on farther than face-on; of a sphere, the
+/// tolerance.
+double reachOf(const Geometry& geometry, const Ray& ray, uint32_t id) {
+    const double tolerance = positionTolerance(geometry, ray, id);
+    if (geometry.isSphere(id)) return tolerance;
+    const Corners k = cornersOf(geometry, id);
+    const dvec3 normal = glm::cross(dvec3(k.b) - dvec3(k.a), dvec3(k.c) - dvec3(k.a)), d(ray.direction);
+    const double slope = std::abs(glm::dot(normal, d)) / (glm::length(normal) * glm::length(d));
+    return slope > 0.0 ? tolerance / slope : tolerance;
+}
+
+/// True if the ray passes within the tolerance of the device's triangle, not behind what the oracle sees: where that may
+/// lie, its own tolerance considered.
 bool passesBy(const Geometry& geometry, const Ray& floats, const reference::Hit& oracle, uint32_t triangle) {
     const reference::Ray ray = widen(floats);
     const double tolerance = positionTolerance(geometry, floats, triangle);
     const reference::Approach nearest = approachTo(geometry, ray, triangle);
     if (nearest.distance > tolerance) return false;
     if (oracle.primitive == noTriangle) return true;
-    if ((nearest.t - oracle.t) * glm::length(ray.direction) <= tolerance) return true;
+    const double reach = std::max(tolerance, reachOf(geometry, floats, oracle.primitive));
+    if ((nearest.t - oracle.t) * glm::length(ray.direction) <= reach) return true;
     const auto at = [&](double t) { return ray.origin + t * ray.direction; };
     return distanceTo(geometry, at(oracle.t), triangle) <= tolerance ||
            distanceTo(geometry, at(nearest.t), oracle.primitive) <= positionTolerance(geometry, floats, oracle.primitive);

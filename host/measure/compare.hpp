@@ -35,9 +35,9 @@ double positionTolerance(const Ray& ray, const vec3& a, const vec3& b, const vec
 double positionTolerance(const Geometry& geometry, const Ray& ray, uint32_t id);
 
 /// Classes a device's answer. With d = positionTolerance of the triangle in question, it is a tie where
-///   - the device names a triangle that the ray passes within its d of, no farther along the ray than the oracle's hit is,
-///   or
-///     where the oracle's triangle is within its d too (a shared edge, duplicates); or
+///   - the device names a triangle that the ray passes within its d of, no farther along the ray than the oracle's hit may
+///     be with its triangle moved by its d along its normal, or where the oracle's triangle is within its d too (a shared
+///     edge, duplicates); or
 ///   - one of 8 rays moved sideways by the d of the oracle's primitive gets the device's answer from the reference, be it
 ///     nothing or a triangle farther away (a silhouette). A hole in a closed surface is no tie: no ray nearby sees through
 ///     it.
