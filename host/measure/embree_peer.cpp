@@ -21,6 +21,7 @@ struct EmbreePeer::State {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr, robust = nullptr;
     std::vector<RTCRayHit8> rays;  // or eight RTCRayHit in the place of each; Embree writes into them, so they are made anew
+    std::vector<std::vector<uint32_t>> ids;  // of each geometry's primitives; empty: as they are numbered there
 
     ~State() {
         if (scene) rtcReleaseScene(scene);
@@ -146,6 +147,17 @@ void attach(RTCGeometry geometry, RTCScene scene) {
     rtcReleaseGeometry(geometry);
 }
 
+/// The ids of triangles, or of spheres in the order of geometry.spheres; empty where every primitive is a triangle.
+std::vector<uint32_t> idsOf(const Geometry& geometry, bool spheres) {
+    std::vector<uint32_t> ids(spheres ? geometry.spheres.size() : 0);
+    for (uint32_t id = 0; id < geometry.triangles.size() && !geometry.spheres.empty(); ++id) {
+        const bool isSphere = geometry.isSphere(id);
+        if (isSphere && spheres) ids[geometry.triangles[id].x] = id;
+        if (!isSphere && !spheres) ids.push_back(id);
+    }
+    return ids;
+}
+
 std::vector<uvec3> trianglesOnly(const Geometry& geometry) {
     std::vector<uvec3> triangles;
     for (const uvec3& t : geometry.triangles)
@@ -188,12 +200,33 @@ std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry& geometry) {
     const Clock::time_point start = Clock::now();
     state->scene = makeScene(state->device, geometry, RTC_SCENE_FLAG_NONE);
     if (!state->scene) return nullptr;
-    return std::unique_ptr<EmbreePeer>(new EmbreePeer(std::move(state), secondsSince(start)));
+    const double seconds = secondsSince(start);
+    if (geometry.triangleCount() > 0) state->ids.push_back(idsOf(geometry, /* spheres= */ false));
+    if (!geometry.spheres.empty()) state->ids.push_back(idsOf(geometry, /* spheres= */ true));
+    return std::unique_ptr<EmbreePeer>(new EmbreePeer(std::move(state), seconds));
 }
 
 bool EmbreePeer::makeRobust(const Geometry& geometry) {
     if (!state_->robust) state_->robust = makeScene(state_->device, geometry, RTC_SCENE_FLAG_ROBUST);
     return state_->robust != nullptr;
+}
+
+void EmbreePeer::copyHits(std::span<Hit> hits, Width width) const {
+    const auto* singles = reinterpret_cast<const RTCRayHit*>(state_->rays.data());
+    parallelFor(hits.size(), grain, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+            const RTCRayHit8& packet = state_->rays[i / raig::width];
+            const size_t lane = i % raig::width;
+            const bool isSingle = width == Width::single;
+            const uint32_t geometry = isSingle ? singles[i].hit.geomID : packet.hit.geomID[lane];
+            const uint32_t primitive = isSingle ? singles[i].hit.primID : packet.hit.primID[lane];
+            hits[i] = {0.0f, 0.0f, 0.0f, NO_HIT};
+            if (geometry == RTC_INVALID_GEOMETRY_ID) continue;
+            const std::vector<uint32_t>& ids = state_->ids[geometry];
+            hits[i].t = isSingle ? singles[i].ray.tfar : packet.ray.tfar[lane];
+            hits[i].primitive = ids.empty() ? primitive : ids[primitive];
+        }
+    });
 }
 
 EmbreePeer::Traced EmbreePeer::trace(std::span<const Ray> rays, Query query, Width width, bool robust) {
@@ -214,18 +247,11 @@ std::optional<std::string> embreeVersion() {
 
 struct EmbreePeer::State {};
 
-std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry&) {
-    return nullptr;
-}
-bool EmbreePeer::makeRobust(const Geometry&) {
-    return false;
-}
-EmbreePeer::Traced EmbreePeer::trace(std::span<const Ray>, Query, Width, bool) {
-    return {};
-}
-std::optional<std::string> embreeVersion() {
-    return std::nullopt;
-}
+std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry&) { return nullptr; }
+bool EmbreePeer::makeRobust(const Geometry&) { return false; }
+void EmbreePeer::copyHits(std::span<Hit>, Width) const {}
+EmbreePeer::Traced EmbreePeer::trace(std::span<const Ray>, Query, Width, bool) { return {}; }
+std::optional<std::string> embreeVersion() { return std::nullopt; }
 
 #endif
 

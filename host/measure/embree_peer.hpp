@@ -37,6 +37,9 @@ public:
     /// Traces the rays over all threads. They are copied into Embree's own layout before, which is not timed. Memory: 80
     /// bytes a ray, kept: all ways use the same, as packets are as fast as their memory. `robust` requires makeRobust().
     Traced trace(std::span<const Ray> rays, Query query, Width width = Width::single, bool robust = false);
+    /// What the last trace() found, of closest hits: t, and ids of the geometry; u and v are 0. Requires hits.size() rays in
+    /// that trace, of that width.
+    void copyHits(std::span<Hit> hits, Width width) const;
 
 private:
     struct State;
