@@ -1,0 +1,237 @@
+#include "base/error.hpp"
+#include "measure/compare.hpp"
+#include "measure/tasks.hpp"
+#include "measure/timing.hpp"
+#include "rays/frame.hpp"
+#include "rays/lights.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+
+namespace raig {
+
+namespace {
+
+constexpr double unbounded = 1e-6;  // a reference picture follows rays until their weight is below this
+constexpr uint32_t deepest = 64;
+constexpr uint32_t depthSide = 64;  // of the picture that mean depths are counted in
+
+/// A scene on the device, and reference pictures of it.
+class Stage {
+public:
+    Stage(const ChartScene& scene, Device* device)
+        : scene_(scene), structure_(structureType("bvh").build(scene.primitives(), {})) {
+        markSeeThrough(scene.scene(), scene.geometry(), structure_);
+        if (device) {
+            onDevice_ = makeDeviceTracer(*device, structure_);
+            frame_ = std::make_unique<DeviceFrame>(*device, scene.scene(), scene.geometry(), *onDevice_);
+        } else {
+            onCpu_ = makeCpuTracer(structure_);
+        }
+    }
+
+    Picture render(const FrameOptions& options) {
+        return frame_ ? frame_->render(options) : renderPicture(scene_.scene(), scene_.geometry(), *onCpu_, options);
+    }
+
+    /// As deep as rays matter, with `samples` a pixel; the latest few are kept.
+    const reference::Picture& reference(uint32_t side, uint32_t samples, uint32_t seed) {
+        const auto key = std::tuple(side, samples, seed);
+        const auto known = references_.find(key);
+        if (known != references_.end()) return known->second;
+        // Pixels that rounding can change are found where each has one sample: then edges are not averaged.
+        return references_.emplace(key, renderReference(side, samples, seed, deepest, unbounded, samples == 1 ? 4 : 0))
+            .first->second;
+    }
+
+    reference::Picture renderReference(uint32_t side, uint32_t samples, uint32_t seed, uint32_t depth, double contribution,
+                                       uint32_t roundings) const {
+        reference::PictureOptions options;
+        options.width = options.height = side;
+        options.samples = samples;
+        options.bounds = {depth, static_cast<float>(contribution), seed};
+        options.roundings = roundings;
+        return reference::render(scene_.world(), options);
+    }
+
+private:
+    const ChartScene& scene_;
+    Structure structure_;
+    std::unique_ptr<DeviceTracer> onDevice_;
+    std::unique_ptr<Tracer> onCpu_;
+    std::unique_ptr<DeviceFrame> frame_;
+    std::map<std::tuple<uint32_t, uint32_t, uint32_t>, reference::Picture> references_;
+};
+
+double largest(const vec3& v) {
+    return std::max({v.x, v.y, v.z});
+}
+
+double meanOf(const std::vector<double>& values) {
+    double sum = 0.0;
+    for (const double value : values) sum += value;
+    return values.empty() ? 0.0 : sum / double(values.size());
+}
+
+class PictureTask : public Task {
+public:
+    explicit PictureTask(const TaskSettings& settings) : settings_(settings) {}
+
+    bool needsScene() const override { return true; }
+
+    void check(const Json& settings) const override {
+        checkSettings(settings, "picture",
+                      {"max-depth", "min-contribution", "spp", "pictures", "side", "reference-spp", "repeat"}, {});
+        const auto whole = [&](const char* name, double low, double high) {
+            const double value = numberOf(settings, name, low);
+            if (!(value >= low && value <= high && value == std::floor(value)))
+                throw usageError("the setting \"{}\" takes a whole number from {} to {}", name, low, high);
+        };
+        whole("max-depth", 0, 64);
+        whole("spp", 1, 65536);
+        whole("pictures", 1, 4096);
+        whole("side", 1, 4096);
+        whole("reference-spp", 1, 65536);
+        whole("repeat", 1, 1000);
+        const double contribution = numberOf(settings, "min-contribution", 0.0);
+        if (!(contribution >= 0.0 && contribution <= 1.0))
+            throw usageError("the setting \"min-contribution\" takes a number from 0 to 1");
+    }
+
+    Json run(const ChartScene* scene, const Json& settings) override {
+        if (!stage_) stage_ = std::make_unique<Stage>(*scene, settings_.device);
+        const auto side = static_cast<uint32_t>(numberOf(settings, "side", 256));
+        const auto referenceSamples = static_cast<uint32_t>(numberOf(settings, "reference-spp", 1));
+        FrameOptions frame;
+        frame.width = frame.height = side;
+        frame.samples = static_cast<uint32_t>(numberOf(settings, "spp", 1));
+        frame.maxDepth = static_cast<uint32_t>(numberOf(settings, "max-depth", 8));
+        frame.minContribution = static_cast<float>(numberOf(settings, "min-contribution", 1.0 / 512.0));
+        frame.seed = settings_.seed;
+        // The noise of samples is measured against other ones; all else with the same, so that noise cancels.
+        const uint32_t seed = referenceSamples > 1 ? settings_.seed + 0x5eed : settings_.seed;
+        const reference::Picture& expected = stage_->reference(side, referenceSamples, seed);
+        Picture picture;
+        const double seconds = render(frame, static_cast<uint32_t>(numberOf(settings, "pictures", 1)),
+                                      static_cast<uint32_t>(numberOf(settings, "repeat", 3)), picture);
+        Json measures = {{"samples", frame.samples * numberOf(settings, "pictures", 1)},
+                         {"seconds", seconds},
+                         {"rays_per_sample", double(picture.statistics.closestRays) / frame.samples / side / side},
+                         {"shadow_rays_per_sample", double(picture.statistics.shadowRays) / frame.samples / side / side}};
+        compare(picture, expected, referenceSamples == 1 && frame.samples == 1, measures);
+        measures["mean_depth"] =
+            meanOf(stage_->renderReference(depthSide, 1, seed, frame.maxDepth, double{frame.minContribution}, 0).depth);
+        if (scene->mirrorReflectance) compareToClosedForm(picture, *scene->mirrorReflectance, frame.maxDepth, measures);
+        return measures;
+    }
+
+    void forgetScene() override { stage_.reset(); }
+
+    const Json& measures() const override {
+        static const Json all = {{"samples", "samples a pixel"},
+                                 {"seconds", "s a picture"},
+                                 {"rays_per_sample", "camera, mirrored and transmitted rays a sample"},
+                                 {"shadow_rays_per_sample", "shadow rays a sample"},
+                                 {"rmse", "RMSE, linear light"},
+                                 {"relmse", "relMSE"},
+                                 {"flip_mean", "FLIP, mean"},
+                                 {"flip_p99", "FLIP, 99 % of pixels"},
+                                 {"flip_max", "FLIP, largest"},
+                                 {"mean_error", "mean error, linear light"},
+                                 {"max_error", "largest error, linear light"},
+                                 {"bound_mean", "discarded weight times brightest radiance, mean"},
+                                 {"bound_max", "the same, largest"},
+                                 {"discarded_mean", "discarded weight, mean"},
+                                 {"discarded_max", "discarded weight, largest"},
+                                 {"beyond_bound", "pixels whose error exceeds their bound"},
+                                 {"ties", "pixels left out: rounding decides them"},
+                                 {"nan", "pixels that are not finite"},
+                                 {"mean_depth", "mean depth used"},
+                                 {"relative_error", "error of the whole"},
+                                 {"theory", "Kᴺ⁺¹"}};
+        return all;
+    }
+
+private:
+    /// The mean of `pictures` pictures of seeds one after the other. Returns the median time, of `repeat` times.
+    double render(FrameOptions frame, uint32_t pictures, uint32_t repeat, Picture& mean) {
+        std::vector<double> seconds;
+        for (uint32_t i = 0; i < repeat; ++i) {
+            const auto start = std::chrono::steady_clock::now();
+            mean = stage_->render(frame);
+            for (uint32_t k = 1; k < pictures && i == 0; ++k) {
+                FrameOptions other = frame;
+                other.seed = frame.seed + k;
+                const Picture more = stage_->render(other);
+                for (size_t p = 0; p < mean.radiance.size(); ++p) mean.radiance[p] += more.radiance[p];
+            }
+            seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+            if (pictures > 1) {
+                for (vec3& radiance : mean.radiance) radiance /= static_cast<float>(pictures);
+                break;
+            }
+            if (seconds.back() > 2.0) break;  // what takes so long is not noise
+        }
+        return quartilesOf(seconds).median;
+    }
+
+    /// Errors against the reference; `leavesOutTies`: pixels where rounding decides are none of theirs.
+    static void compare(const Picture& picture, const reference::Picture& expected, bool leavesOutTies, Json& measures) {
+        Image image(picture.width, picture.height);
+        image.pixels = picture.radiance;
+        const PictureComparison found = compareToReference(image, expected);
+        const PictureDifference& d = leavesOutTies ? found.outsideTies : found.everywhere;
+        measures.update({{"rmse", d.rmse},
+                         {"relmse", d.relmse},
+                         {"flip_mean", d.flipMean},
+                         {"flip_p99", d.flipP99},
+                         {"flip_max", d.flipMax},
+                         {"ties", leavesOutTies ? found.ties : 0},
+                         {"nan", found.everywhere.nan}});
+        const double brightest = *std::max_element(expected.brightest.begin(), expected.brightest.end());
+        double sum = 0.0, most = 0.0, boundSum = 0.0, boundMost = 0.0, discardedSum = 0.0, discardedMost = 0.0;
+        uint64_t beyond = 0, compared = 0;
+        for (size_t i = 0; i < picture.radiance.size(); ++i) {
+            if (leavesOutTies && expected.sensitivity[i] > tieSensitivity) continue;
+            const double error = largest(glm::abs(picture.radiance[i] - vec3(expected.radiance[i])));
+            const double discarded = picture.discarded[i], bound = discarded * brightest;
+            ++compared;
+            sum += error;
+            most = std::max(most, error);
+            boundSum += bound;
+            boundMost = std::max(boundMost, bound);
+            discardedSum += discarded;
+            discardedMost = std::max(discardedMost, discarded);
+            // What rounding may do to a pixel that is no tie comes on top, as does what the reference leaves out.
+            beyond += error > bound + tieSensitivity + expected.discarded[i] * brightest;
+        }
+        const double count = double(std::max<uint64_t>(compared, 1));
+        measures.update({{"mean_error", sum / count},
+                         {"max_error", most},
+                         {"bound_mean", boundSum / count},
+                         {"bound_max", boundMost},
+                         {"discarded_mean", discardedSum / count},
+                         {"discarded_max", discardedMost},
+                         {"beyond_bound", beyond}});
+    }
+
+    static void compareToClosedForm(const Picture& picture, double reflectance, uint32_t depth, Json& measures) {
+        const double whole = 1.0 / (1.0 - reflectance);
+        double most = 0.0;
+        for (const vec3& radiance : picture.radiance) most = std::max(most, std::abs(radiance.x - whole) / whole);
+        measures["relative_error"] = most;
+        measures["theory"] = std::pow(reflectance, depth + 1.0);
+    }
+
+    TaskSettings settings_;
+    std::unique_ptr<Stage> stage_;
+};
+
+}  // namespace
+
+std::unique_ptr<Task> makePictureTask(const TaskSettings& settings) {
+    return std::make_unique<PictureTask>(settings);
+}
+
+}  // namespace raig
