@@ -42,7 +42,7 @@ section { margin: 0 0 3.5rem; } figure { margin: 0; min-width: 0; }
   margin: 1.25rem 0 0.75rem; }
 .panels.one { max-width: 48rem; grid-template-columns: 1fr; }
 .panels figure { border: 1px solid var(--line); border-radius: 8px; box-shadow: var(--shadow); overflow: hidden; }
-.panels img { display: block; width: 100%; height: auto; aspect-ratio: 600 / 440; }
+.panels img { display: block; width: 100%; height: auto; }
 .panels figcaption { display: flex; flex-wrap: wrap; justify-content: space-between; gap: 0 1rem; padding: 0.5rem 0.9rem;
   border-top: 1px solid var(--line); background: var(--band); font-size: 0.875rem; }
 .files { font-size: 0.8125rem; white-space: nowrap; } .files a + a { margin-left: 0.7rem; }
