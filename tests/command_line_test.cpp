@@ -74,9 +74,9 @@ TEST(CommandLine, VersionIsOneLine) {
 }
 
 TEST(CommandLine, WrongCommandsAreUsageErrorsThatNameTheRightOnes) {
-    expectError({}, 2, "render, trace, compare, bench, stress, info and devices");
+    expectError({}, 2, "render, trace, compare, bench, chart, stress, info and devices");
     expectError({"paint"}, 2, "no command paint");
-    expectError({"paint", "x", "--y"}, 2, "render, trace, compare, bench, stress, info and devices");
+    expectError({"paint", "x", "--y"}, 2, "render, trace, compare, bench, chart, stress, info and devices");
     expectError({"--colour"}, 2, "--help");
     expectError({"ren\nder"}, 2, "no command");
 }

@@ -10,6 +10,7 @@ int render(const Options& options);
 int trace(const Options& options);
 int compare(const Options& options);
 int bench(const Options& options);
+int chart(const Options& options);
 int stress(const Options& options);
 int info(const Options& options);
 int devices(const Options& options);

@@ -35,6 +35,7 @@ int runCommand(const Options& options) {
         case Command::trace: return trace(options);
         case Command::compare: return compare(options);
         case Command::bench: return bench(options);
+        case Command::chart: return chart(options);
         case Command::stress: return stress(options);
         case Command::info: return info(options);
         case Command::devices: return devices(options);

@@ -1,5 +1,6 @@
 #include "app/options.hpp"
 
+#include "app/chart_options.hpp"
 #include "app/compare_options.hpp"
 #include "app/written_files.hpp"
 #include "base/error.hpp"
@@ -305,6 +306,14 @@ void addBench(CLI::App& app, Options& options) {
         "something is slower by more than --slower allows.");
 }
 
+void addChart(CLI::App& app, Options& options) {
+    CLI::App& command = *app.add_subcommand("chart", "Chart speed against accuracy: figures, their data and one page");
+    command.callback([&options] { options.command = Command::chart; });
+    addChartOptions(command, options);
+    addWholeNumber(command, "--seed", options.seed, 0, largest, "of the random numbers (default: 0)");
+    addCommon(command, options);
+}
+
 void addStress(CLI::App& app, Options& options) {
     CLI::App& command = *app.add_subcommand("stress", "Run the hard cases, where methods fail, with every structure");
     command.callback([&options] { options.command = Command::stress; });
@@ -375,7 +384,7 @@ Error explained(const CLI::App& app, const CLI::ParseError& error, int argc, con
     if (!chosen.empty()) return usageError("{}; see raig {} --help", error.what(), chosen.front()->get_name());
     const char* const* word =
         std::find_if(argv + 1, argv + argc, [](std::string_view text) { return !text.starts_with('-'); });
-    const char* const commands = "render, trace, compare, bench, stress, info and devices; see raig --help";
+    const char* const commands = "render, trace, compare, bench, chart, stress, info and devices; see raig --help";
     if (word == argv + argc && argc > 1) return usageError("{}: the commands are {}", error.what(), commands);
     if (word == argv + argc) return usageError("a command is wanted; there are {}", commands);
     return usageError("there is no command {}; there are {}", *word, commands);
@@ -406,6 +415,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     addTrace(app, options);
     addCompare(app, options);
     addBench(app, options);
+    addChart(app, options);
     addStress(app, options);
     addInfo(app, options);
     addDevices(app, options);

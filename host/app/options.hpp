@@ -13,7 +13,7 @@
 
 namespace raig {
 
-enum class Command { render, trace, compare, bench, stress, info, devices };
+enum class Command { render, trace, compare, bench, chart, stress, info, devices };
 
 /// All options of all commands; each command reads its own and finds the defaults in the rest. Choices that only a part of
 /// the program knows (structures, walks, builders, devices, cameras) stay names, checked by that part with a usageError.
@@ -69,6 +69,11 @@ struct Options {
 
     // stress and compare.
     std::filesystem::path junit;  ///< XML file to write; empty: none
+
+    // chart. The folder is stress's, too.
+    std::vector<std::filesystem::path> sweeps;  ///< files with more of them
+    std::vector<std::string> figures;           ///< by name; none: all
+    bool fresh = false;                         ///< nothing of an earlier run is taken up
 
     // trace.
     std::filesystem::path rays;
