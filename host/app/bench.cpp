@@ -47,7 +47,8 @@ Json peersOf(const Json& results, const std::vector<std::string>& without) {
         peers["embree"]["why"] = "raig was built without Embree";
     const bool hasDriver = std::ranges::any_of(results, [](const Json& row) { return row["structure"] == driverName; });
     peers["driver"] = {{"measured", hasDriver}};
-    if (!hasDriver) peers["driver"]["why"] = without.empty() ? "no device here has VK_KHR_ray_query" : without.front();
+    if (!hasDriver)
+        peers["driver"]["why"] = without.empty() ? "no device that was measured has VK_KHR_ray_query" : without.front();
     return peers;
 }
 
@@ -102,20 +103,21 @@ SceneBenches benchScene(const std::filesystem::path& file, const BenchSettings& 
 
 /// Returns the exit code.
 ExitCode compareWith(const BenchBaseline& baseline, const Options& options, Json& document) {
-    const std::vector<BenchChange> changes = baseline.changes(document);
+    size_t alone = 0;
+    const std::vector<BenchChange> changes = baseline.changes(document, alone);
     const auto slower =
         std::ranges::count_if(changes, [&](const BenchChange& c) { return c.factor() * options.slower < 1.0; });
-    document["baseline"] = {{"file", options.baseline.string()},
-                            {"commit", baseline.commit()},
-                            {"slower", slower},
-                            {"allowed_factor", options.slower},
-                            {"changes", toJson(changes)}};
+    document["baseline"] = {
+        {"file", options.baseline.string()}, {"commit", baseline.commit()}, {"slower", slower}, {"not_compared", alone},
+        {"allowed_factor", options.slower},  {"changes", toJson(changes)}};
     if (!options.json) {
         fmt::print("against {}, of commit {}\n", options.baseline.string(), baseline.commit());
         printChanges(changes, options.slower);
     }
+    if (alone > 0) log::note("{} measurements have none like them in the baseline, and were not compared", alone);
     log::note("{} of {} measurements are slower than the baseline's by more than a factor of {}", slower, changes.size(),
               options.slower);
+    if (changes.empty()) return ExitCode::badInput;
     return slower > 0 ? ExitCode::fellShort : ExitCode::done;
 }
 
@@ -153,6 +155,7 @@ int bench(const Options& options) {
             if (!peer["measured"]) fmt::print("{}: {}\n", name, peer["why"].get<std::string>());
     const ExitCode code = baseline ? compareWith(*baseline, options, document) : ExitCode::done;
     if (options.json) std::printf("%s\n", document.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+    if (code == ExitCode::badInput) throw baseline->nothingInCommon();  // what was measured is told first
     return static_cast<int>(code);
 }
 

@@ -71,10 +71,19 @@ void BenchBaseline::requireSome(const std::vector<std::string>& scenes) const {
                          threadCount());
 }
 
-std::vector<BenchChange> BenchBaseline::changes(const Json& document) const {
+Error BenchBaseline::nothingInCommon() const {
+    return inputError(
+        file_.string(),
+        "it has nothing in common with this run: of a row, scene, structure, options, device, threads, rays and "
+        "their number must be the same");
+}
+
+std::vector<BenchChange> BenchBaseline::changes(const Json& document, size_t& alone) const {
     std::vector<BenchChange> changes;
+    alone = 0;
     forEachOwnRow(document, [&](const std::string& subject, const Json& row) {
         const auto found = rows_.find(subject);
+        ++alone;  // until it is compared
         if (found == rows_.end()) return;
         const Row& before = found->second;
         const std::optional<double> ratio = medianOf(row, "ratio_to_embree"), megaRays = medianOf(row, "mrays_per_s");
@@ -91,12 +100,8 @@ std::vector<BenchChange> BenchBaseline::changes(const Json& document) const {
             return;
         }
         changes.push_back(change);
+        --alone;
     });
-    if (changes.empty())
-        throw inputError(
-            file_.string(),
-            "it has nothing in common with this run: of a row, scene, structure, options, device, threads, rays "
-            "and their number must be the same");
     return changes;
 }
 

@@ -1,6 +1,8 @@
 /// An earlier run of `raig bench`, and what has changed since.
 #pragma once
 
+#include "base/error.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
@@ -30,8 +32,11 @@ public:
     void requireSome(const std::vector<std::string>& scenes) const;
 
     /// Of the rows of `document` that the baseline has, too: same scene, triangles, structure, options, device, threads and
-    /// rays. Peers are not looked at. Medians are compared. Throws inputError where there are none.
-    std::vector<BenchChange> changes(const nlohmann::ordered_json& document) const;
+    /// rays. Peers are not looked at. Medians are compared. `alone`: how many rows of the document have none to compare
+    /// with.
+    std::vector<BenchChange> changes(const nlohmann::ordered_json& document, size_t& alone) const;
+    /// Where all rows are alone.
+    Error nothingInCommon() const;
 
     /// The commit it was measured at; "unknown" where it does not say.
     const std::string& commit() const { return commit_; }
