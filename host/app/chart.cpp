@@ -1,6 +1,7 @@
 // `raig chart`: speed against accuracy, as figures, data and one page.
 #include "measure/chart.hpp"
 
+#include "app/command_text.hpp"
 #include "app/commands.hpp"
 #include "app/machine.hpp"
 #include "app/progress.hpp"
@@ -30,8 +31,9 @@ std::vector<Sweep> chooseSweeps(const Options& options) {
     for (const std::filesystem::path& file : options.sweeps)
         for (Sweep& sweep : readSweeps(readText(file), file.string())) {
             for (const Sweep& other : sweeps)
-                if (other.name == sweep.name)
-                    throw inputError(file.string(), "\"{}\" is the name of another sweep; give it one of its own",
+                if (other.name == sweep.name || sweep.name == "chart" || sweep.name == "sweeps")
+                    throw inputError(file.string(),
+                                     "\"{}\" is the name of another sweep, or of a file of raig's; give it one of its own",
                                      sweep.name);
             sweeps.push_back(std::move(sweep));
         }
@@ -45,7 +47,8 @@ std::vector<Sweep> chooseSweeps(const Options& options) {
             for (const Sweep& sweep : sweeps) names.push_back(sweep.name);
             throw usageError("--figure {}: there is no such figure; there are {}", name, fmt::join(names, ", "));
         }
-        chosen.push_back(*known);
+        const auto isSame = [&](const Sweep& sweep) { return sweep.name == name; };
+        if (std::none_of(chosen.begin(), chosen.end(), isSame)) chosen.push_back(*known);
     }
     return chosen;
 }
@@ -74,12 +77,12 @@ std::string buildId() {
 
 std::string commandOf(const Options& options) {
     std::string text = "raig chart";
-    for (const std::filesystem::path& file : options.inputs) text += " " + file.string();
-    for (const std::filesystem::path& file : options.sweeps) text += " --sweep " + file.string();
+    for (const std::filesystem::path& file : options.inputs) text += " " + quoted(file.string());
+    for (const std::filesystem::path& file : options.sweeps) text += " --sweep " + quoted(file.string());
     for (const std::string& name : options.figures) text += " --figure " + name;
-    if (options.device != "auto") text += " --device " + options.device;
+    if (options.device != "auto") text += " --device " + quoted(options.device);
     if (options.threads != 0) text += fmt::format(" --threads {}", options.threads);
-    return text + fmt::format(" --seed {} -o {}", options.seed, options.folder.string());
+    return text + fmt::format(" --seed {} -o {}", options.seed, quoted(options.folder.string()));
 }
 
 Json toJson(const ChartDocument& document) {

@@ -1,4 +1,5 @@
 // `raig stress`: the hard cases, for every structure, by exact arithmetic; and controls that must fail.
+#include "app/command_text.hpp"
 #include "app/commands.hpp"
 #include "app/machine.hpp"
 #include "app/progress.hpp"
@@ -18,17 +19,6 @@ namespace raig {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// As a shell takes it for one word.
-std::string quoted(const std::string& text) {
-    const bool isPlain = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
-        return std::isalnum(c) || std::string_view("-_./:=,").find(static_cast<char>(c)) != std::string_view::npos;
-    });
-    if (isPlain) return text;
-    std::string word = "'";
-    for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
-    return word + "'";
-}
 
 /// The command line again, without where results go; if it is for other rays of the same batch, without what chooses cases
 /// and the device.
