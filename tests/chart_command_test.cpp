@@ -152,6 +152,12 @@ TEST_F(ChartCommand, RefusesWhatDoesNotExistBeforeItMeasures) {
     refused("settings", {{"accel", "bvh"}, {"arity", 3}}, "takes one of 2, 4, 8");
     refused("settings", {{"accel", "bvh"}, {"max-leaf", -1}}, "takes a whole number from 1 to 255");
     refused("settings", {{"accel", "grid"}, {"grid-density", 1e9}}, "takes a number from 0.001 to 1000");
+    refused("measure", {"millisecond"}, "\"millisecond\" in measure is no measure of its task");
+    refused("draw", {{"x", "max-leafs"}, {"y", "milliseconds"}}, "\"max-leafs\" in draw is no setting");
+    refused("holds", {{"measure", "difering"}, {"most", 0}, {"because", "x"}}, "\"difering\" in holds is no measure");
+    refused("holds", {{"measure", "differing"}, {"most", 0}, {"because", "x"}, {"where", {{"acel", "bvh"}}}},
+            "\"acel\" in where is no setting");
+    refused("name", "sweeps", "give it one of its own");
     std::ofstream(sweepFile()) << "{";
     EXPECT_EQ(run().exitCode, 3);
     declare(small());

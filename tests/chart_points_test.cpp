@@ -100,6 +100,13 @@ TEST(Laws, AreAboutThePointsTheyName) {
               1u);
 }
 
+// A law that nothing is held to must not look like one that holds.
+TEST(Laws, NeedAPointTheyAreAbout) {
+    const Sweep sweep = withLaw(R"({"measure": "e", "most": 0, "because": "x"})");
+    EXPECT_EQ(findBreaches(sweep, {point("s", "{}", R"({"other": 1})")}).size(), 1u);
+    EXPECT_TRUE(findBreaches(sweep, {}).empty()) << "nothing was measured";
+}
+
 TEST(Laws, FindWhatDiffersFromTheory) {
     const Sweep sweep = withLaw(R"({"measure": "e", "equals": "theory", "within": 0.1, "because": "x"})");
     EXPECT_TRUE(findBreaches(sweep, {point("s", "{}", R"({"e": 1.09, "theory": 1})")}).empty());
@@ -127,8 +134,11 @@ TEST(Laws, FitASlopeToEachSeries) {
     points.resize(2);
     EXPECT_NE(findBreaches(sweep, points).at(0).text.find("too few points"), std::string::npos);
     points = seriesOf("exact", -0.5);
-    points[2].measures["rmse"] = 0.0;
+    for (ChartPoint& one : points) one.measures["rmse"] = 0.0;
     EXPECT_TRUE(findBreaches(sweep, points).empty()) << "what is exact needs no slope";
+    points = seriesOf("flat but for one", -0.3);
+    points[2].measures["rmse"] = 0.0;
+    EXPECT_EQ(findBreaches(sweep, points).size(), 1u) << "one 0 excuses nothing";
 }
 
 const Sweep& builtIn(const std::string& name) {
@@ -171,7 +181,7 @@ TEST(Laws, OfRaigsOwnFiguresFindWhatLiesOutside) {
     points = pointsOf("mirrors", Json::object());
     for (ChartPoint& one : points) {
         const double theory = std::pow(0.5, one.settings["max-depth"].get<double>() + 1.0);
-        one.measures = {{"relative_error", theory}, {"theory", theory}};
+        one.measures = {{"relative_error", theory}, {"theory", theory}, {"nan", 0}};
     }
     EXPECT_TRUE(findBreaches(builtIn("mirrors"), points).empty());
     points[2].measures["relative_error"] = 1.001 * points[2].measures["theory"].get<double>();

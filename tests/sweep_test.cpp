@@ -81,7 +81,10 @@ TEST(Sweep, IsRefusedWithItsPlace) {
         {with("holds", R"({"measure": "a", "most": 1, "equals": 1, "because": "b"})"), "one of"},
         {with("holds", R"({"measure": "a", "most": 1})"), "\"because\" is missing"},
         {"[" + std::string(least) + "," + least + "]", "f.json#/1/name: \"a\" is the name of another sweep"},
-        {std::string(100'000, '['), "is no JSON"},
+        {std::string(100'000, '['), "nested deeper than"},
+        {R"({"name": 1e999})", "a number that is out of range"},
+        {with("a/b~c", "1"), "there is no key"},
+        {R"({"sweeps": [{"name": 3}]})", "f.json#/sweeps/0"},
     };
     for (const auto& [text, complaint] : cases)
         EXPECT_NE(complaintOf(text).find(complaint), std::string::npos)

@@ -58,6 +58,7 @@ private:
             try {
                 const Task& task = taskOf(sweep.task);
                 for (const Json& point : sweep.settings) task.check(point);
+                checkNames(sweep, task.measures());
                 std::vector<std::string> names;
                 for (const std::string& entry : sweep.scenes)
                     for (const std::string& name : task.needsScene() ? scenes_.namesOf(entry) : std::vector{std::string()})

@@ -1,5 +1,6 @@
 #include "measure/chart_points.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -67,7 +68,7 @@ void addSlopeBreaches(const Sweep& sweep, const Law& law, const std::vector<Char
     struct Series {
         const ChartPoint* first;
         std::map<double, double> places;
-        bool isExact = false;  ///< somewhere it is 0: no slope is needed
+        bool isExact = true;  ///< it is 0 everywhere: no slope is needed
     };
     std::map<std::string, Series> all;
     for (const ChartPoint& point : points) {
@@ -76,10 +77,9 @@ void addSlopeBreaches(const Sweep& sweep, const Law& law, const std::vector<Char
         const std::string label = nameOf(point, "label");
         Series& one = all[point.scene + '\n' + (label.empty() ? describeSettings(point.settings, {law.over}) : label)];
         one.first = &point;
-        if (*y == 0.0)
-            one.isExact = true;
-        else
-            one.places[*x] = *y;
+        if (*y == 0.0) continue;  // has no logarithm
+        one.isExact = false;
+        one.places[*x] = *y;
     }
     for (const auto& [name, one] : all) {
         if (one.isExact) continue;
@@ -98,7 +98,12 @@ void addSlopeBreaches(const Sweep& sweep, const Law& law, const std::vector<Char
 
 std::vector<Breach> findBreaches(const Sweep& sweep, const std::vector<ChartPoint>& points) {
     std::vector<Breach> breaches;
+    const bool isMeasured =
+        std::any_of(points.begin(), points.end(), [](const auto& point) { return point.leftOut.empty(); });
     for (const Law& law : sweep.laws) {
+        const auto isOfLaw = [&](const ChartPoint& point) { return isAbout(law, point); };
+        if (isMeasured && std::none_of(points.begin(), points.end(), isOfLaw))
+            breaches.push_back({sweep.name, "", fmt::format("no point tells of {}: {}", law.measure, law.because)});
         if (law.kind == Law::Kind::slope)
             addSlopeBreaches(sweep, law, points, breaches);
         else

@@ -29,7 +29,8 @@ private:
     std::ofstream out_;
 };
 
-/// What of a figure's points lies outside what theory says (Sweep::laws), a line each, in order.
+/// What of a figure's points lies outside what theory says (Sweep::laws), a line each, in order; and laws that no point,
+/// though some were measured, is about.
 std::vector<Breach> findBreaches(const Sweep& sweep, const std::vector<ChartPoint>& points);
 
 /// "levels 2, grid-density 4": settings in words, without those named.

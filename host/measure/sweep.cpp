@@ -23,7 +23,7 @@ public:
     }
 
     const Json& json() const { return json_; }
-    Node at(const std::string& key) const { return {json_.at(key), place_, pointer_ + "/" + key}; }
+    Node at(const std::string& key) const { return {json_.at(key), place_, pointer_ + "/" + escaped(key)}; }
     Node at(size_t index) const { return {json_.at(index), place_, pointer_ + "/" + std::to_string(index)}; }
     bool has(const std::string& key) const { return json_.contains(key); }
 
@@ -66,6 +66,13 @@ public:
     }
 
 private:
+    /// As a part of a JSON pointer [RFC 6901].
+    static std::string escaped(const std::string& key) {
+        std::string text;
+        for (const char c : key) text += c == '~' ? std::string("~0") : c == '/' ? std::string("~1") : std::string(1, c);
+        return text;
+    }
+
     const Json& json_;
     std::string place_, pointer_;
 };
@@ -204,21 +211,26 @@ Sweep readSweep(const Node& node) {
 }  // namespace
 
 std::vector<Sweep> readSweeps(const std::string& text, const std::string& place) {
+    constexpr int deepest = 16;  // far more than a declaration needs: values are gone through by recursion
+    const auto boundDepth = [&](int depth, Json::parse_event_t, const Json&) {
+        if (depth > deepest) throw inputError(place, "is nested deeper than {} levels", deepest);
+        return true;
+    };
     Json json;
     try {
-        json = Json::parse(text);
+        json = Json::parse(text, boundDepth);
     } catch (const Json::parse_error& fault) {
         const size_t end = std::min<size_t>(fault.byte, text.size());
         const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n');
         throw inputError(fmt::format("{}:{}", place, line), "is no JSON from here on; see raig chart --help");
+    } catch (const Json::exception& fault) {
+        throw inputError(place, "has a number that is out of range ({})", fault.what());
     }
-    Node root(json, place, "");
-    if (json.is_object() && json.contains("sweeps")) {
-        root.checkKeys({"sweeps"}, {});
-        return readSweeps(json["sweeps"].dump(), place + "#/sweeps");
-    }
+    const Node root(json, place, "");
+    const bool isNamed = json.is_object() && json.contains("sweeps");
+    if (isNamed) root.checkKeys({"sweeps"}, {});
     std::vector<Sweep> sweeps;
-    for (const Node& node : root.entries()) {
+    for (const Node& node : isNamed ? root.at("sweeps").entries() : root.entries()) {
         sweeps.push_back(readSweep(node));
         const auto same = [&](const Sweep& other) { return other.name == sweeps.back().name; };
         if (std::count_if(sweeps.begin(), sweeps.end(), same) > 1)

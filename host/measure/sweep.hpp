@@ -68,10 +68,10 @@ struct Missing {
 struct Sweep {
     std::string name;  ///< of its files: lower-case letters, digits, hyphens
     std::string title;
-    std::string text;                 ///< what to see in it
-    std::string task;                 ///< what is run for a point: see tasks.hpp
-    std::vector<std::string> scenes;  ///< "given": all of the command line; "first"; "mirroring": those with mirrors or
-                                      ///< glass among them; or the name of one that is made here
+    std::string text;                   ///< what to see in it
+    std::string task;                   ///< what is run for a point: see tasks.hpp
+    std::vector<std::string> scenes;    ///< "given": all of the command line; "first"; "mirroring": those with mirrors or
+                                        ///< glass among them; or the name of one that is made here
     std::vector<Json> settings;         ///< the points of a scene: objects of scalars, expanded
     std::vector<std::string> measures;  ///< columns of its table
     std::vector<Drawing> drawings;
@@ -79,8 +79,8 @@ struct Sweep {
     std::vector<Missing> missing;
 };
 
-/// Reads a document: one declaration, an array of them, or {"sweeps": [...]}. Checks every name and value but those of the
-/// task, which are checked where it is known. At most 10,000 points a scene. Throws inputError with `place` and a JSON
+/// Reads a document: one declaration, an array of them, or {"sweeps": [...]}. Checks keys and kinds of values; what settings
+/// and measures there are, the task knows. At most 10,000 points a scene. Throws inputError with `place` and a JSON
 /// pointer.
 std::vector<Sweep> readSweeps(const std::string& text, const std::string& place);
 

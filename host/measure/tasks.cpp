@@ -110,6 +110,35 @@ std::unique_ptr<Task> makeTask(const std::string& name, const TaskSettings& sett
     throw usageError("there is no task \"{}\"; there are {}", name, fmt::join(names, ", "));
 }
 
+void checkNames(const Sweep& sweep, const Json& measures) {
+    Json settings = {{"scene", ""}, {"label", ""}};
+    for (const Json& point : sweep.settings) settings.update(point);
+    const auto need = [&](const std::string& name, const char* where, bool isSetting, bool isMeasure) {
+        if (name.empty() || (isSetting && settings.contains(name)) || (isMeasure && measures.contains(name))) return;
+        const Json& known = isMeasure ? measures : settings;
+        std::vector<std::string> names;
+        for (const auto& [one, value] : known.items()) names.push_back(one);
+        throw usageError("\"{}\" in {} is no {}; there are {}", name, where,
+                         !isMeasure   ? "setting of its points"
+                         : !isSetting ? "measure of its task"
+                                      : "setting of its points, nor a measure of its task",
+                         fmt::join(names, ", "));
+    };
+    for (const Drawing& drawing : sweep.drawings) {
+        for (const std::string& name : {drawing.x, drawing.y}) need(name, "draw", true, true);
+        for (const std::string& name : {drawing.band, drawing.theory, drawing.contour, drawing.hollow})
+            need(name, "draw", false, true);
+        for (const std::string& name : drawing.by) need(name, "by", true, false);
+        for (const std::string& name : drawing.panels) need(name, "panels", true, false);
+    }
+    for (const Law& law : sweep.laws) {
+        for (const std::string& name : {law.measure, law.boundMeasure}) need(name, "holds", false, true);
+        need(law.over, "slope_over", true, true);
+        for (const auto& [name, value] : law.where.items()) need(name, "where", true, false);
+    }
+    for (const std::string& name : sweep.measures) need(name, "measure", false, true);
+}
+
 double numberOf(const Json& settings, const std::string& name, double otherwise) {
     if (!settings.contains(name)) return otherwise;
     if (!settings[name].is_number()) throw usageError("the setting \"{}\" takes a number", name);

@@ -43,6 +43,10 @@ std::unique_ptr<Task> makeSpawnTask(const TaskSettings& settings);
 /// The task of that name. Throws usageError, which lists those there are.
 std::unique_ptr<Task> makeTask(const std::string& name, const TaskSettings& settings);
 
+/// Throws usageError if the sweep's drawings, laws or table name what is neither a setting of its points nor one of
+/// `measures` (Task::measures): a law with a misspelt name would hold whatever happens.
+void checkNames(const Sweep& sweep, const Json& measures);
+
 /// The number or text of a setting, or what it is by default. Throws usageError if it is of the other kind.
 double numberOf(const Json& settings, const std::string& name, double otherwise);
 std::string textOf(const Json& settings, const std::string& name, const std::string& otherwise);
