@@ -145,11 +145,16 @@ std::string broken(const ChartDocument& document) {
         for (const Breach& breach : document.figures[i].breaches)
             items += fmt::format("<li><a href=\"{}\">Figure {}</a>, {}</li>\n", page::figurePlace(document.figures[i]),
                                  i + 1, page::describe(breach));
-    for (const ChartPictures& pictures : document.pictures)
-        if (const Json nan = page::member(pictures.numbers, "nan"); nan.is_number() && nan.get<double>() > 0.0)
-            items +=
-                fmt::format("<li>Picture of <b>{}</b>: {} of {} pixels are not finite</li>\n", escapedMarkup(pictures.scene),
-                            page::value(nan), page::number(double(pictures.width) * pictures.height));
+    for (const ChartPictures& pictures : document.pictures) {
+        const double pixels = double(pictures.width) * pictures.height;
+        for (const auto& [name, what] : {std::pair("missed", "hits are missed"),
+                                         {"phantom", "hits are phantoms"},
+                                         {"wrong", "hits are wrong"},
+                                         {"nan", "pixels are not finite"}})
+            if (const Json found = page::member(pictures.numbers, name); found.is_number() && found.get<double>() > 0.0)
+                items += fmt::format("<li>Picture of <b>{}</b>: {} of {} {}</li>\n", escapedMarkup(pictures.scene),
+                                     page::value(found), page::number(pixels), what);
+    }
     return items.empty() ? "" : "<div class=\"broke\"><ul>\n" + items + "</ul></div>\n";
 }
 
@@ -196,6 +201,11 @@ constexpr const char* head =
 std::vector<Breach> ChartDocument::breaches() const {
     std::vector<Breach> all;
     for (const ChartFigure& figure : figures) all.insert(all.end(), figure.breaches.begin(), figure.breaches.end());
+    for (const ChartPictures& picture : pictures)
+        for (const char* const name : {"missed", "phantom", "wrong", "nan"})
+            if (picture.numbers.contains(name) && picture.numbers[name].is_number() && picture.numbers[name] > 0)
+                all.push_back(
+                    {"pictures", picture.scene, fmt::format("{} is {}; must be 0", name, picture.numbers[name].dump())});
     return all;
 }
 

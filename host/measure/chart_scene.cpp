@@ -133,28 +133,63 @@ bool ChartScene::mirrors() const {
                        [&](uint32_t material) { return matters[material] != 0; });
 }
 
+namespace {
+
+/// All numbers of a scene that pictures depend on, beside its primitives, as text: fmt writes floats so that they can be
+/// read back. Arrays follow as they are.
+class Looks {
+public:
+    template <class... Numbers>
+    void add(const Numbers&... numbers) {
+        ((bytes_ += fmt::format("{} ", numbers)), ...);
+    }
+    void add(const vec3& v) { add(v.x, v.y, v.z); }
+    template <class T>
+    void addAll(const std::vector<T>& values) {
+        add(values.size());
+        bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+    }
+    void add(const Material& m) {
+        for (const vec3& v : {m.baseColor, m.emission, m.attenuationColor}) add(v);
+        add(m.alpha, m.metallic, m.roughness, m.transmission, m.ior, m.thin, m.attenuationDistance,
+            m.baseColorTexture.has_value());
+        if (!m.baseColorTexture) return;
+        add(m.baseColorTexture->image, static_cast<uint32_t>(m.baseColorTexture->wrapU),
+            static_cast<uint32_t>(m.baseColorTexture->wrapV));
+    }
+    void add(const Light& l) {
+        for (const vec3& v : {l.position, l.direction, l.intensity}) add(v);
+        add(static_cast<uint32_t>(l.type), l.innerConeAngle, l.outerConeAngle, l.castsShadows, l.range);
+    }
+    void add(const Camera& c) {
+        for (const vec3& v : {c.eye, c.forward, c.right, c.up}) add(v);
+        add(c.orthographic, c.yfov, c.xmag, c.ymag, c.aspect);
+    }
+    std::span<const std::byte> bytes() const { return std::as_bytes(std::span(bytes_)); }
+
+private:
+    std::string bytes_;
+};
+
+}  // namespace
+
 std::string ChartScene::hash() const {
-    const SceneHash hash = hashOf(primitives_);
-    std::string looks;  // what pictures depend on beside the primitives
-    const auto addVector = [&](const vec3& v) { looks += fmt::format("{} {} {} ", v.x, v.y, v.z); };
-    for (const Material& m : scene_.materials) {
-        for (const vec3& v : {m.baseColor, m.emission, m.attenuationColor}) addVector(v);
-        looks += fmt::format("{} {} {} {} {} {} {} {} ", m.alpha, m.metallic, m.roughness, m.transmission, m.ior, m.thin,
-                             m.attenuationDistance, m.baseColorTexture ? int64_t{m.baseColorTexture->image} : -1);
+    Looks looks;
+    for (const Material& m : scene_.materials) looks.add(m);
+    for (const Light& l : scene_.lights) looks.add(l);
+    for (const Camera& c : scene_.cameras) looks.add(c);
+    for (const vec3& v : {scene_.sky.zenith, scene_.sky.horizon, scene_.sky.ground, scene_.ambient}) looks.add(v);
+    for (const Texels& image : scene_.images) {
+        looks.add(image.width, image.height);
+        looks.addAll(image.rgba);
     }
-    for (const Light& l : scene_.lights) {
-        for (const vec3& v : {l.position, l.direction, l.intensity}) addVector(v);
-        looks += fmt::format("{} {} {} {} ", static_cast<uint32_t>(l.type), l.innerConeAngle, l.outerConeAngle, l.range);
-    }
-    for (const Camera& c : scene_.cameras) {
-        for (const vec3& v : {c.eye, c.forward, c.up}) addVector(v);
-        looks += fmt::format("{} {} {} {} ", c.orthographic, c.yfov, c.xmag, c.ymag);
-    }
-    for (const vec3& v : {scene_.sky.zenith, scene_.sky.horizon, scene_.sky.ground, scene_.ambient}) addVector(v);
-    for (const Texels& image : scene_.images)
-        looks.append(reinterpret_cast<const char*>(image.rgba.data()), image.rgba.size());
-    for (const uint32_t material : geometry_.materials) looks += static_cast<char>(material);
-    return fmt::format("{:016x}{:016x}{:016x}", hash[0], hash[1], std::hash<std::string>{}(looks));
+    looks.addAll(geometry_.normals);
+    looks.addAll(geometry_.uvs);
+    looks.addAll(geometry_.colors);
+    looks.addAll(geometry_.triangles);
+    looks.addAll(geometry_.materials);
+    const SceneHash shape = hashOf(primitives_), rest = hashOf(looks.bytes());
+    return fmt::format("{:016x}{:016x}{:016x}{:016x}", shape[0], shape[1], rest[0], rest[1]);
 }
 
 ChartScenes::ChartScenes(const std::vector<std::filesystem::path>& files) {

@@ -30,7 +30,7 @@ public:
     bool mirrors() const;
     /// Of two facing mirrors: how much each reflects; what arrives along every ray is 1 / (1 - K). Else nothing.
     std::optional<double> mirrorReflectance;
-    /// Names the same scene in a later run: of its primitives, materials, lights, cameras and images. O(all of them).
+    /// Names the same scene in a later run: of all that it holds but names and remarks. O(all of them).
     std::string hash() const;
 
 private:

@@ -277,7 +277,8 @@ std::vector<ChartPanel> drawPanels(const std::vector<Panel>& panels, const std::
     };
     for (const Panel& panel : panels) {
         drawn.push_back({panel.title, panel.stem, read(panel, ".svg"), read(panel, ".dark.svg"), describePanel(panel)});
-        std::filesystem::remove(fileOf(folder, panel, ".dark.svg"));  // the page has it
+        std::error_code ignored;
+        std::filesystem::remove(fileOf(folder, panel, ".dark.svg"), ignored);  // the page has it
     }
     return drawn;
 }

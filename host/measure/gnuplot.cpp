@@ -29,7 +29,7 @@ File temporary() {
     return file;
 }
 
-/// The first line that says something; gnuplot points at the place in lines above it.
+/// The last line that says something; gnuplot points at the place in lines above it.
 std::string complaint(std::FILE* file) {
     std::rewind(file);
     char line[512];
@@ -54,7 +54,7 @@ void runGnuplot(const std::string& script) {
     posix_spawn_file_actions_adddup2(&actions, fileno(input.get()), 0);
     posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, fileno(errors.get()), 2);
-    const char* const arguments[] = {"gnuplot", nullptr};
+    const char* const arguments[] = {"gnuplot", "-d", nullptr};
     pid_t child = 0;
     const int failure = posix_spawnp(&child, "gnuplot", &actions, nullptr, const_cast<char* const*>(arguments), environ);
     posix_spawn_file_actions_destroy(&actions);

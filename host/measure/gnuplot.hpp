@@ -5,7 +5,8 @@
 
 namespace raig {
 
-/// Runs gnuplot on a script. Throws inputError if it is not installed, or says that something is wrong, with its first line.
+/// Runs gnuplot on a script. Throws inputError if it is not installed, or says that something is wrong, with what that says
+/// last.
 void runGnuplot(const std::string& script);
 
 /// As a single-quoted string of a script.

@@ -154,7 +154,8 @@ public:
     }
 
 private:
-    /// The mean of `pictures` pictures of seeds one after the other. Returns the median time, of `repeat` times.
+    /// The mean of `pictures` pictures, of seeds one after the other. Returns the time it took: of one picture the median of
+    /// `repeat` times.
     double render(FrameOptions frame, uint32_t pictures, uint32_t repeat, Picture& mean) {
         std::vector<double> seconds;
         for (uint32_t i = 0; i < repeat; ++i) {
@@ -164,11 +165,15 @@ private:
                 FrameOptions other = frame;
                 other.seed = frame.seed + k;
                 const Picture more = stage_->render(other);
-                for (size_t p = 0; p < mean.radiance.size(); ++p) mean.radiance[p] += more.radiance[p];
+                for (size_t p = 0; p < mean.radiance.size(); ++p) {
+                    mean.radiance[p] += more.radiance[p];
+                    mean.discarded[p] += more.discarded[p];
+                }
             }
             seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
             if (pictures > 1) {
                 for (vec3& radiance : mean.radiance) radiance /= static_cast<float>(pictures);
+                for (float& discarded : mean.discarded) discarded /= static_cast<float>(pictures);
                 break;
             }
             if (seconds.back() > 2.0) break;  // what takes so long is not noise
@@ -219,7 +224,11 @@ private:
     static void compareToClosedForm(const Picture& picture, double reflectance, uint32_t depth, Json& measures) {
         const double whole = 1.0 / (1.0 - reflectance);
         double most = 0.0;
-        for (const vec3& radiance : picture.radiance) most = std::max(most, std::abs(radiance.x - whole) / whole);
+        for (const vec3& radiance : picture.radiance)
+            for (int channel = 0; channel < 3; ++channel) {
+                const double error = std::abs(radiance[channel] - whole) / whole;
+                if (!(error <= most)) most = error;  // also if it is no number
+            }
         measures["relative_error"] = most;
         measures["theory"] = std::pow(reflectance, depth + 1.0);
     }

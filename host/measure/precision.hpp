@@ -16,9 +16,7 @@ struct PrecisionFindings {
 
 /// The ways there are:
 ///     moeller-trumbore   in float [Moeller, Trumbore 1997]
-///     float-contracted   Woop's test in float, compiled with multiply-adds [Woop, Benthin, Wald 2013]; where the
-///     processor's
-///                        are not compiled for, each is a call: its time says little
+///     float-contracted   Woop's test in float, with multiply-adds [Woop, Benthin, Wald 2013]: calls, so time says little
 ///     float-precise      the same, each operation rounded by itself
 ///     float-double       the same, and in double precision again where an edge function is 0, as in the paper
 ///     double             in double precision, of the same floats

@@ -24,7 +24,7 @@ enum class SpawnPolicy : uint8_t {
 inline constexpr std::array<SpawnPolicy, 5> spawnPolicies = {
     SpawnPolicy::none, SpawnPolicy::smallestT, SpawnPolicy::alongNormal, SpawnPolicy::integerSteps, SpawnPolicy::bounds};
 
-/// "bounds", say; "t >= 1e-4" for others.
+/// "error bounds", say, or "t >= 1e-4".
 const char* nameOf(SpawnPolicy policy);
 
 /// Where the triangles are.

@@ -13,7 +13,7 @@ namespace raig {
 
 namespace {
 
-constexpr size_t comparedRays = 1u << 14;  // of each kind, compared with the yardstick's bits
+constexpr size_t comparedRays = 1u << 12;  // of each kind, compared with the yardstick's bits
 constexpr uint32_t warmUps = 3, repetitions = 10;
 constexpr double longRun = 0.3;  // seconds of one: of slow methods, fewer rays are timed
 constexpr size_t tile = 64;      // rays of 8 x 8 pixels
@@ -55,7 +55,7 @@ public:
         Json measures = subject.facts;
         time(subject, textOf(settings, "rays", "primary"), measures);
         const bool byReference = textOf(settings, "check", "bits") == "reference";
-        judge(subject, byReference, byReference ? TracePlace::judgedRays : fewEnoughToCompare(subject), measures);
+        judge(subject, byReference, byReference ? TracePlace::judgedRays : comparedRays, measures);
         return measures;
     }
 
@@ -68,6 +68,7 @@ public:
                                  {"milliseconds_q3", "ms per 10⁶ rays, third quartile"},
                                  {"mrays_per_s", "10⁶ rays a second"},
                                  {"timed", "rays timed"},
+                                 {"counted", "rays counted"},
                                  {"node_fetches", "node fetches a ray"},
                                  {"box_tests", "box tests a ray"},
                                  {"primitive_tests", "triangle tests a ray"},
@@ -91,32 +92,33 @@ public:
     }
 
 private:
-    /// A part of the rays that takes no longer than longRun, by what a small part of them takes: whole tiles of the picture,
-    /// evenly spread over rows and columns, as shares are odd.
+    /// One of so many tiles of the picture, evenly spread over rows and columns, as shares are odd.
+    static constexpr size_t shares[] = {1, 5, 23, 101};
+    static std::vector<Ray> part(const std::vector<Ray>& rays, size_t share) {
+        std::vector<Ray> some;
+        for (size_t begin = 0; begin < rays.size(); begin += share * tile)
+            some.insert(some.end(), rays.begin() + static_cast<std::ptrdiff_t>(begin),
+                        rays.begin() + static_cast<std::ptrdiff_t>(std::min(begin + tile, rays.size())));
+        return some;
+    }
+
+    /// A part of the rays that takes no longer than longRun, by what a small part of them takes.
     static std::vector<Ray> fewEnough(const TraceSubject& subject, const std::vector<Ray>& rays, Query query) {
-        const auto part = [&](size_t share) {
-            std::vector<Ray> some;
-            for (size_t begin = 0; begin < rays.size(); begin += share * tile)
-                some.insert(some.end(), rays.begin() + static_cast<std::ptrdiff_t>(begin),
-                            rays.begin() + static_cast<std::ptrdiff_t>(std::min(begin + tile, rays.size())));
-            return some;
-        };
-        constexpr size_t shares[] = {1, 5, 23, 101};
-        const std::vector<Ray> least = part(shares[3]);
+        const std::vector<Ray> least = part(rays, shares[3]);
         subject.trace(least, {}, query);  // also makes what a first trace makes
         const double all = subject.trace(least, {}, query) * double(rays.size()) / double(least.size());
         for (const size_t share : shares)
-            if (all / double(share) <= longRun) return part(share);
+            if (all / double(share) <= longRun) return part(rays, share);
         return least;
     }
 
-    /// How many aimed rays take no longer than some runs of those timed; comparedRays at most.
-    size_t fewEnoughToCompare(const TraceSubject& subject) const {
-        constexpr size_t few = 1024;
-        const TracePlace::Batch some = place_->aimed().first(few);
-        if (some.rays.empty()) return comparedRays;
-        const double seconds = subject.trace(some.rays, {}, Query::closest);
-        return std::clamp(static_cast<size_t>(double(few) * 2.0 * longRun / seconds), few, comparedRays);
+    /// A part that is the same however fast anything is: what is counted is, too.
+    static std::vector<Ray> counted(const std::vector<Ray>& rays) {
+        constexpr size_t enough = 2048;
+        size_t share = shares[0];
+        for (const size_t larger : shares)
+            if (rays.size() / larger >= enough) share = larger;
+        return part(rays, share);
     }
 
     void time(const TraceSubject& subject, const std::string& name, Json& measures) {
@@ -137,13 +139,15 @@ private:
                          {"mrays_per_s", 1e3 / q.median},
                          {"timed", rays.size()}});
         if (!subject.count) return;
-        const WalkCounters counters = subject.count(rays, query);
-        const auto perRay = [&](uint64_t count) { return double(count) / double(rays.size()); };
+        const std::vector<Ray> some = counted(place_->rays(name));
+        const WalkCounters counters = subject.count(some, query);
+        const auto perRay = [&](uint64_t count) { return double(count) / double(some.size()); };
         measures.update({{"node_fetches", perRay(counters.nodeFetches)},
                          {"box_tests", perRay(counters.boxTests)},
                          {"primitive_tests", perRay(counters.triangleTests)},
                          {"link_reads", perRay(counters.linkReads)},
-                         {"tests", perRay(counters.boxTests + counters.triangleTests)}});
+                         {"tests", perRay(counters.boxTests + counters.triangleTests)},
+                         {"counted", some.size()}});
     }
 
     /// Traces a batch; adds how many hits have other bits than the yardstick's, where they must not.

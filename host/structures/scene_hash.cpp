@@ -41,6 +41,12 @@ private:
 
 }  // namespace
 
+SceneHash hashOf(std::span<const std::byte> bytes) {
+    Hasher hasher;
+    hasher.add(bytes);
+    return hasher.result();
+}
+
 SceneHash hashOf(std::span<const Primitive> primitives) {
     const XXH128_hash_t hash = XXH3_128bits(primitives.data(), primitives.size_bytes());
     return {hash.low64, hash.high64};
