@@ -28,6 +28,10 @@ public:
     TraceReport traceShadows(std::span<const Ray> rays, std::span<Hit> hits) override {
         return sound->traceShadows(rays, hits);
     }
+    TraceReport traceCosts(std::span<const Ray> rays, std::span<Hit> hits, bool shadows,
+                           std::span<uint32_t> costs) override {
+        return sound->traceCosts(rays, hits, shadows, costs);
+    }
 
 private:
     std::unique_ptr<Tracer> sound;

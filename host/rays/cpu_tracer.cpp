@@ -51,16 +51,38 @@ public:
     TraceReport traceShadows(std::span<const Ray> rays, std::span<Hit> hits) override {
         return run(rays, hits, {.anyHit = true, .skipSeeThrough = true});
     }
+    /// One by one: walks count for all of the rays that they are given.
+    TraceReport traceCosts(std::span<const Ray> rays, std::span<Hit> hits, bool shadows,
+                           std::span<uint32_t> costs) override {
+        RAIG_CHECK(hits.size() == rays.size() && costs.size() == rays.size());
+        const WalkOptions options{.anyHit = shadows, .skipSeeThrough = shadows};
+        return runBlocks(rays.size(), [&](size_t begin, size_t end, WalkCounters& counters) {
+            for (size_t i = begin; i < end; ++i) {
+                WalkCounters one;
+                walk_(structure_, options, rays.subspan(i, 1), hits.subspan(i, 1), one);
+                costs[i] = static_cast<uint32_t>(one.nodeFetches + one.triangleTests);
+                counters += one;
+            }
+        });
+    }
 
 private:
     TraceReport run(std::span<const Ray> rays, std::span<Hit> hits, WalkOptions options) {
         RAIG_CHECK_OP(rays.size(), ==, hits.size());
+        return runBlocks(rays.size(), [&](size_t begin, size_t end, WalkCounters& counters) {
+            walk_(structure_, options, rays.subspan(begin, end - begin), hits.subspan(begin, end - begin), counters);
+        });
+    }
+
+    /// `body(begin, end, counters)` over blocks of `count` rays, timed, its counters summed.
+    template <class Body>
+    static TraceReport runBlocks(size_t count, const Body& body) {
         const auto start = std::chrono::steady_clock::now();
         TraceReport report;
         std::mutex mutex;
-        parallelFor(rays.size(), 256, [&](size_t begin, size_t end) {
+        parallelFor(count, 256, [&](size_t begin, size_t end) {
             WalkCounters counters;
-            walk_(structure_, options, rays.subspan(begin, end - begin), hits.subspan(begin, end - begin), counters);
+            body(begin, end, counters);
             const std::lock_guard lock(mutex);
             report.counters += counters;
         });

@@ -55,6 +55,13 @@ uint64_t joined(const std::array<uint32_t, 2>& halves) {
     return halves[0] | uint64_t{halves[1]} << 32;
 }
 
+/// What is asked of a batch of rays.
+struct Ask {
+    Query query = Query::closest;
+    bool shadows = false;
+    std::span<uint32_t> costs = {};  ///< of each ray; empty: they are not wanted
+};
+
 /// How much one kernel should do in a dispatch, so that it takes about as long as it should; in loop iterations, if all rays
 /// made as many as they may. Starts with little, as nothing is known of device and structure, and learns from what
 /// dispatches took. Most rays end early, so the next may take longer than the last: the most is what a CPU can loop in 2 s.
@@ -125,20 +132,32 @@ public:
     }
 
     TraceReport trace(std::span<const Ray> rays, std::span<Hit> hits, Query query) override {
-        return traceAll(rays, hits, query, false);
+        return traceAll(rays, hits, {.query = query});
     }
     TraceReport traceShadows(std::span<const Ray> rays, std::span<Hit> hits) override {
-        return traceAll(rays, hits, Query::any, true);
+        return traceAll(rays, hits, {.query = Query::any, .shadows = true});
+    }
+    TraceReport traceCosts(std::span<const Ray> rays, std::span<Hit> hits, bool shadows,
+                           std::span<uint32_t> costs) override {
+        RAIG_CHECK_OP(costs.size(), ==, rays.size());
+        return traceAll(rays, hits, {shadows ? Query::any : Query::closest, shadows, costs});
     }
 
     TraceReport traceBuffers(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows) override {
         TraceReport report;
-        run(rays, hits, count, query, shadows, report);
+        run(rays, hits, count, {.query = query, .shadows = shadows}, report);
+        return report;
+    }
+    TraceReport traceBuffersCosts(Buffer& rays, Buffer& hits, uint32_t count, bool shadows,
+                                  std::span<uint32_t> costs) override {
+        RAIG_CHECK_OP(costs.size(), ==, count);
+        TraceReport report;
+        run(rays, hits, count, {shadows ? Query::any : Query::closest, shadows, costs}, report);
         return report;
     }
 
 private:
-    TraceReport traceAll(std::span<const Ray> rays, std::span<Hit> hits, Query query, bool shadows) {
+    TraceReport traceAll(std::span<const Ray> rays, std::span<Hit> hits, const Ask& ask) {
         RAIG_CHECK_OP(rays.size(), ==, hits.size());
         TraceReport report;
         if (rays.empty()) return report;
@@ -149,7 +168,9 @@ private:
         for (size_t first = 0; first < rays.size(); first += most) {
             const auto count = static_cast<uint32_t>(std::min<size_t>(most, rays.size() - first));
             rayBuffer.uploadValues(rays.subspan(first, count));
-            run(rayBuffer, hitBuffer, count, query, shadows, report);
+            Ask some = ask;
+            if (!ask.costs.empty()) some.costs = ask.costs.subspan(first, count);
+            run(rayBuffer, hitBuffer, count, some, report);
             hitBuffer.download(std::as_writable_bytes(hits.subspan(first, count)));
         }
         const double all = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -157,64 +178,67 @@ private:
         return report;
     }
 
-    void run(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows, TraceReport& report) {
-        Stages& stages = stagesOf(query, shadows);
+    void run(Buffer& rays, Buffer& hits, uint32_t count, const Ask& ask, TraceReport& report) {
+        if (!ask.costs.empty()) makeCosts(count);
+        Buffer& counts = ask.costs.empty() ? counts_ : *costs_;
+        Stages& stages = stagesOf(ask);
         for (uint32_t first = 0; first < count;) {
             if (!stages.pausing) {
-                SizedKernel& whole = kernelFor(query, shadows, Stage::whole);
+                SizedKernel& whole = kernelFor(ask, Stage::whole);
                 const uint32_t some = std::min(whole.size.rays(wholeSteps_), count - first);
-                bind(whole.kernel, rays, hits);
+                bind(whole.kernel, rays, hits, counts);
                 // Saving state costs every ray; so it is done only once a structure has shown that it needs it.
                 const WalkCounters before = report.counters;
-                stages.pausing = dispatch(whole, {first, some, wholeSteps_}, report) > 0;
+                stages.pausing = dispatch(whole, {first, some, wholeSteps_}, counts, report) > 0;
                 if (stages.pausing)
                     report.counters = before;
                 else
                     first += some;
             } else {
-                SizedKernel& beginning = kernelFor(query, shadows, Stage::beginning);
-                SizedKernel& resuming = kernelFor(query, shadows, Stage::resuming);
+                SizedKernel& beginning = kernelFor(ask, Stage::beginning);
+                SizedKernel& resuming = kernelFor(ask, Stage::resuming);
                 const uint32_t some = std::min(beginning.size.rays(firstSteps_), count - first);
-                traceInPieces(beginning, resuming, rays, hits, {first, some, firstSteps_}, report);
+                traceInPieces(beginning, resuming, rays, hits, {first, some, firstSteps_}, counts, report);
                 first += some;
             }
         }
+        if (!ask.costs.empty()) costs_->download(std::as_writable_bytes(ask.costs), sizeof(Counts));
     }
 
     void traceInPieces(SizedKernel& beginning, SizedKernel& resuming, Buffer& rays, Buffer& hits, const Push& push,
-                       TraceReport& report) {
+                       Buffer& counts, TraceReport& report) {
         makePauses(push.count);
-        bind(beginning.kernel, rays, hits);
-        uint32_t unfinished = dispatch(beginning, push, report);
+        bind(beginning.kernel, rays, hits, counts);
+        uint32_t unfinished = dispatch(beginning, push, counts, report);
         for (uint64_t steps = push.maxSteps; unfinished > 0;) {
             if (steps > mostSteps_) throw corrupt_;
             std::swap(paused_, unfinished_);
-            bind(resuming.kernel, rays, hits);
+            bind(resuming.kernel, rays, hits, counts);
             const uint32_t more = resuming.size.steps(unfinished);
-            unfinished = dispatch(resuming, {0, unfinished, more}, report);
+            unfinished = dispatch(resuming, {0, unfinished, more}, counts, report);
             steps += more;
         }
     }
 
-    void bind(Kernel& kernel, Buffer& rays, Buffer& hits) {
+    void bind(Kernel& kernel, Buffer& rays, Buffer& hits, Buffer& counts) {
         kernel.bind(0, header_);
         kernel.bind(1, rays);
         kernel.bind(2, hits);
         kernel.bind(3, paused_);
-        kernel.bind(4, counts_);
+        kernel.bind(4, counts);
         kernel.bind(5, nodes_);
         kernel.bind(6, triangles_);
         kernel.bind(7, unfinished_);
     }
 
-    /// Returns how many walks are not finished.
-    uint32_t dispatch(SizedKernel& sized, const Push& push, TraceReport& report) {
-        commands_.fill(counts_, 0);
+    /// Returns how many walks are not finished. `counted` begins with a Counts.
+    uint32_t dispatch(SizedKernel& sized, const Push& push, Buffer& counted, TraceReport& report) {
+        commands_.fill(counted, 0, 0, sizeof(Counts));
         commands_.dispatch(sized.kernel, {(push.count + sized.raysAGroup - 1) / sized.raysAGroup}, push);
         const RunReport ran = commands_.run();
         sized.size.learn(double(push.count) * push.maxSteps, ran.seconds);
         Counts counts;
-        counts_.download(std::as_writable_bytes(std::span(&counts, 1)));
+        counted.download(std::as_writable_bytes(std::span(&counts, 1)));
         report.seconds += ran.seconds;
         report.deviceSeconds += ran.deviceSeconds;
         report.counters +=
@@ -222,18 +246,19 @@ private:
         return counts.unfinished;
     }
 
-    SizedKernel& kernelFor(Query query, bool shadows, Stage stage) {
-        std::optional<SizedKernel>& sized = stagesOf(query, shadows).kernels[static_cast<uint32_t>(stage)];
+    SizedKernel& kernelFor(const Ask& ask, Stage stage) {
+        std::optional<SizedKernel>& sized = stagesOf(ask).kernels[static_cast<uint32_t>(stage)];
         if (!sized) {
             const auto spirv = findKernel(name_);
             RAIG_CHECK(spirv.has_value());
-            const bool paired = stage == Stage::whole && paired_;
+            const bool costs = !ask.costs.empty();
+            const bool paired = stage == Stage::whole && paired_ && !costs;
             const Constants constants = {
                 {0, workgroupSize},
-                {1, /* ANY_HIT */ query == Query::any || shadows},
-                {2, /* SKIP_SEE_THROUGH */ shadows},
+                {1, /* ANY_HIT */ ask.query == Query::any || ask.shadows},
+                {2, /* SKIP_SEE_THROUGH */ ask.shadows},
                 {3, walk_},
-                {4, counting_},
+                {4, /* COUNTING */ counting_ || costs},
                 {5, nodes_.chunkCount()},
                 {6, nodes_.chunkShift()},
                 {7, triangles_.chunkCount()},
@@ -242,6 +267,7 @@ private:
                 {10, /* RESUMING */ stage == Stage::resuming},
                 {11, /* PAIRED */ paired},
                 {12, /* HAS_SPHERES */ spheres_},
+                {13, costs},
             };
             sized.emplace(Kernel(device_, name_, *spirv, constants), DispatchSize(device_.info(), paired),
                           paired ? 2 * workgroupSize : workgroupSize);
@@ -249,7 +275,14 @@ private:
         return *sized;
     }
 
-    Stages& stagesOf(Query query, bool shadows) { return stages_[shadows ? 2 : query == Query::any ? 1 : 0]; }
+    Stages& stagesOf(const Ask& ask) {
+        return stages_[(ask.costs.empty() ? 0 : 3) + (ask.shadows ? 2 : ask.query == Query::any ? 1 : 0)];
+    }
+
+    void makeCosts(uint32_t count) {
+        const uint64_t bytes = sizeof(Counts) + uint64_t{count} * sizeof(uint32_t);
+        if (!costs_ || costs_->bytes() < bytes) costs_.emplace(device_, bytes);
+    }
 
     void makePauses(uint32_t count) {
         const uint64_t bytes = uint64_t{count} * sizeof(Pause);
@@ -273,10 +306,11 @@ private:
     BigArray nodes_;
     BigArray triangles_;
     Buffer counts_;
+    std::optional<Buffer> costs_;  // a Counts, and one word a ray; where they were asked for
     Buffer paused_;
     Buffer unfinished_;
     Commands commands_;
-    std::array<Stages, 3> stages_;  // closest, any, shadows
+    std::array<Stages, 6> stages_;  // closest, any, shadows; the same with costs
 };
 
 }  // namespace

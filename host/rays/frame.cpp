@@ -6,6 +6,7 @@
 #include "rays/frame_tiles.hpp"
 
 #include <algorithm>
+#include <optional>
 
 namespace raig {
 
@@ -40,9 +41,45 @@ struct TileRun {
     uint64_t shadowRays = 0;  ///< at most
 };
 
+/// What the pixels of a tile cost, by slot; nothing is counted where it is not wanted.
+class TileCosts {
+public:
+    explicit TileCosts(uint32_t slots) : ofSlot(slots, 0) {}
+
+    double trace(FrameTiles& tiles, const TileStep& step) {
+        ofRay_.resize(step.count);
+        const double seconds = tiles.traceCosts(ofRay_);
+        add(tiles, step);
+        return seconds;
+    }
+    double traceShadows(FrameTiles& tiles, const TileStep& step, uint32_t lights) {
+        ofRay_.resize(size_t{step.count} * lights);
+        const double seconds = tiles.traceShadowsCosts(ofRay_);
+        add(tiles, step);
+        return seconds;
+    }
+
+    std::vector<uint32_t> ofSlot;
+
+private:
+    /// Ray k is of entry k % count of the list.
+    void add(FrameTiles& tiles, const TileStep& step) {
+        list_.resize(step.count);
+        tiles.readList(step.listAt, list_);
+        for (size_t k = 0; k < ofRay_.size(); ++k) {
+            const uint32_t slot = list_[k % step.count];
+            if (slot != NO_SLOT) ofSlot[slot] += ofRay_[k];
+        }
+    }
+
+    std::vector<uint32_t> ofRay_;
+    std::vector<uint32_t> list_;
+};
+
 /// Steps one tile to its end. `report(atWork, tile)` after each step.
 template <class Report>
-TileRun runTile(FrameTiles& tiles, const FrameParams& params, uint32_t firstPixel, uint32_t count, const Report& report) {
+TileRun runTile(FrameTiles& tiles, const FrameParams& params, uint32_t firstPixel, uint32_t count, TileCosts* costs,
+                const Report& report) {
     TileRun tile;
     const auto run = [&](FrameKernel kernel, const TileStep& step) {
         tile.longestSeconds = std::max(tile.longestSeconds, tiles.run(kernel, step));
@@ -50,10 +87,12 @@ TileRun runTile(FrameTiles& tiles, const FrameParams& params, uint32_t firstPixe
     TileStep step{.count = count, .listAt = 0, .nextAt = params.slots, .compacts = 0, .firstPixel = firstPixel};
     run(FrameKernel::begin, step);
     for (uint32_t atWork = count; atWork > 0;) {
-        tile.traceSeconds += tiles.trace(step.count);
+        tile.traceSeconds += costs ? costs->trace(tiles, step) : tiles.trace(step.count);
         run(FrameKernel::shade, step);
         const uint32_t shadowRays = step.count * params.shadowRays;
-        if (shadowRays > 0) tile.traceSeconds += tiles.traceShadows(shadowRays);
+        if (shadowRays > 0)
+            tile.traceSeconds +=
+                costs ? costs->traceShadows(tiles, step, params.shadowRays) : tiles.traceShadows(shadowRays);
         step.compacts = atWork < step.count - step.count / 4 ? 1 : 0;
         run(FrameKernel::gather, step);
         tile.closestRays += atWork;
@@ -72,6 +111,7 @@ void take(const PixelResult& result, Picture& picture) {
     picture.discarded[result.pixel] = result.discarded;
     picture.statistics.shadowRays += result.shadowRays;
     picture.statistics.deepest = std::max(picture.statistics.deepest, result.deepest);
+    if (!picture.levels.empty()) picture.levels[result.pixel] = result.deepest;
 }
 
 }  // namespace
@@ -122,6 +162,8 @@ void renderTiles(FrameTiles& tiles, const FrameData& data, const FrameOptions& o
     picture.height = options.height;
     picture.radiance.resize(pixels);
     picture.discarded.resize(pixels);
+    if (options.keepsLevels) picture.levels.resize(pixels);
+    if (options.countsCosts) picture.costs.resize(pixels);
     TileSize size(tiles, options.tilePixels);
     std::vector<PixelResult> results;
     double rays = 0.0;
@@ -131,13 +173,16 @@ void renderTiles(FrameTiles& tiles, const FrameData& data, const FrameOptions& o
             const auto tileRays = double(tile.closestRays + tile.shadowRays);
             if (progress) progress(double(first + (count - atWork)) / pixels, rays + tileRays);
         };
-        const TileRun tile = runTile(tiles, data.params, first, count, report);
+        std::optional<TileCosts> costs;
+        if (options.countsCosts) costs.emplace(count);
+        const TileRun tile = runTile(tiles, data.params, first, count, costs ? &*costs : nullptr, report);
         size.learn(tile.longestSeconds);
         rays += double(tile.closestRays + tile.shadowRays);
         picture.statistics.closestRays += tile.closestRays;
         results.resize(count);
         tiles.read(results);
         for (const PixelResult& result : results) take(result, picture);
+        for (uint32_t slot = 0; costs && slot < count; ++slot) picture.costs[results[slot].pixel] = costs->ofSlot[slot];
         picture.statistics.traceSeconds += tile.traceSeconds;
         ++picture.statistics.tiles;
         first += count;

@@ -28,6 +28,8 @@ struct FrameOptions {
     uint32_t seed = 0;
     uint32_t camera = 0;                      ///< index into Scene::cameras
     uint32_t tilePixels = 0;                  ///< pixels at work at once; 0: by memory and measured time
+    bool keepsLevels = false;                 ///< Picture::levels is wanted
+    bool countsCosts = false;                 ///< Picture::costs is wanted: rays are traced by slower kernels, that count
 };
 
 struct FrameStatistics {
@@ -46,6 +48,8 @@ struct Picture {
     std::vector<vec3> radiance;    ///< linear RGB, row by row from the top
     std::vector<float> discarded;  ///< of each pixel, the weight of the rays that were not followed: times the scene's
                                    ///< greatest radiance, it bounds what NIVELL_MAX and MIN_CONTRIB left out
+    std::vector<uint32_t> levels;  ///< of each pixel, reflections and refractions of its deepest ray; where asked for
+    std::vector<uint32_t> costs;   ///< of each pixel, nodes fetched and primitives tested by all its rays; where asked for
     FrameStatistics statistics;
 };
 

@@ -65,6 +65,19 @@ public:
     double traceShadows(uint32_t count) override {
         return tracer_.traceShadows(std::span(shadowRays_).first(count), std::span(shadowHits_).first(count)).seconds;
     }
+    double traceCosts(std::span<uint32_t> costs) override {
+        return tracer_
+            .traceCosts(std::span(rays_).first(costs.size()), std::span(hits_).first(costs.size()), false, costs)
+            .seconds;
+    }
+    double traceShadowsCosts(std::span<uint32_t> costs) override {
+        return tracer_
+            .traceCosts(std::span(shadowRays_).first(costs.size()), std::span(shadowHits_).first(costs.size()), true, costs)
+            .seconds;
+    }
+    void readList(uint32_t at, std::span<uint32_t> slots) override {
+        std::copy_n(list_.begin() + at, slots.size(), slots.begin());
+    }
     uint32_t counted() override { return kernels_.counted; }
     void read(std::span<PixelResult> results) override {
         std::copy_n(results_.begin(), results.size(), results.begin());

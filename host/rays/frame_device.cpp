@@ -61,6 +61,15 @@ public:
     double traceShadows(uint32_t count) override {
         return tracer_.traceBuffers(shadowRays_, shadowHits_, count, Query::any, true).seconds;
     }
+    double traceCosts(std::span<uint32_t> costs) override {
+        return tracer_.traceBuffersCosts(rays_, hits_, static_cast<uint32_t>(costs.size()), false, costs).seconds;
+    }
+    double traceShadowsCosts(std::span<uint32_t> costs) override {
+        return tracer_.traceBuffersCosts(shadowRays_, shadowHits_, static_cast<uint32_t>(costs.size()), true, costs).seconds;
+    }
+    void readList(uint32_t at, std::span<uint32_t> slots) override {
+        list_.download(std::as_writable_bytes(slots), sizeof(uint32_t) * uint64_t{at});
+    }
     uint32_t counted() override { return count_.downloadValues<uint32_t>().front(); }
     void read(std::span<PixelResult> results) override { results_.download(std::as_writable_bytes(results)); }
 

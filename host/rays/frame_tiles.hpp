@@ -32,6 +32,11 @@ public:
     /// Traces the first `count` rays, or shadow rays, into hits. Returns seconds.
     virtual double trace(uint32_t count) = 0;
     virtual double traceShadows(uint32_t count) = 0;
+    /// The same, with costs.size() rays and what each of them took (Tracer::traceCosts).
+    virtual double traceCosts(std::span<uint32_t> costs) = 0;
+    virtual double traceShadowsCosts(std::span<uint32_t> costs) = 0;
+    /// slots.size() entries of the list of slots, from entry `at` on.
+    virtual void readList(uint32_t at, std::span<uint32_t> slots) = 0;
     /// What the last gather counted.
     virtual uint32_t counted() = 0;
     /// Results of the first results.size() slots.

@@ -55,6 +55,11 @@ public:
 
     /// As trace, any: but triangles marked as letting light through (Structure::markSeeThrough) are no hits.
     virtual TraceReport traceShadows(std::span<const Ray> rays, std::span<Hit> hits) = 0;
+
+    /// As traceShadows if `shadows`, else as trace, closest; and costs[i] = the nodes fetched and primitives tested by rays[i].
+    /// Slower: kernels that count are others than those that do not. Requires costs.size() == rays.size().
+    virtual TraceReport traceCosts(std::span<const Ray> rays, std::span<Hit> hits, bool shadows,
+                                   std::span<uint32_t> costs) = 0;
 };
 
 /// The walk on the CPU, over all cores; always counts. `structure` must outlive it.
@@ -67,6 +72,10 @@ public:
     /// end: rays whose walk is longer than one dispatch may be are taken up again until all are done.
     /// `shadows`: as traceShadows. The buffers must have storage usage; `count` > 0.
     virtual TraceReport traceBuffers(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows) = 0;
+
+    /// As traceBuffers, and costs of each ray as traceCosts has them. Requires costs.size() == count.
+    virtual TraceReport traceBuffersCosts(Buffer& rays, Buffer& hits, uint32_t count, bool shadows,
+                                          std::span<uint32_t> costs) = 0;
 };
 
 std::unique_ptr<DeviceTracer> makeDeviceTracer(Device& device, const Structure& structure, bool counting = false);
