@@ -19,6 +19,7 @@ layout(set = 0, binding = 5, std430) buffer StepBlock { TileStep steps[2]; };
 layout(set = 0, binding = 6, std430) buffer StateBlock { PathState states[2]; };
 layout(set = 0, binding = 7, std430) buffer PendingBlock { PendingRay pending[2]; };
 layout(set = 0, binding = 8, std430) buffer ResultBlock { PixelResult results[2]; };
+layout(set = 0, binding = 9, std430) buffer PrimaryBlock { PrimaryHit primaryHits[2]; };
 layout(push_constant) uniform Push { TileStep pushed; };
 
 uint at = 0u;
@@ -37,6 +38,7 @@ void main() {
     putAll(states[0]);
     putAll(pending[0]);
     putAll(results[0]);
+    putAll(primaryHits[0]);
     putAll(pushed);
     rays[1] = rays[0];
     hits[1] = hits[0];
@@ -46,4 +48,5 @@ void main() {
     states[1] = states[0];
     pending[1] = pending[0];
     results[1] = results[0];
+    primaryHits[1] = primaryHits[0];
 }

@@ -35,3 +35,8 @@ void putAll(PendingRay s) {
 void putAll(PixelResult s) {
     put(s.radiance); put(s.discarded); put(s.pixel); put(s.shadowRays); put(s.deepest); put(s.unused);
 }
+
+void putAll(PrimaryHit s) {
+    put(s.position); put(s.depth); put(s.normal); put(s.u); put(s.albedo); put(s.v);
+    put(s.primitive); put(s.instance); put(s.material); put(s.pixel);
+}

@@ -98,18 +98,24 @@ vec3 shadingNormal(Facet facet, vec3 b, vec3 d, vec3 n) {
     return dot(interpolated, d) >= 0.0f ? n : interpolated;
 }
 
+// The texture coordinates at barycentric coordinates b. Requires FEATURE_UVS.
+vec2 textureCoordinates(uvec4 triangle, vec3 b) {
+    uint at0 = vertexElement(triangle.x);
+    uint at1 = vertexElement(triangle.y);
+    uint at2 = vertexElement(triangle.z);
+    precise float u = b.x * uintBitsToFloat(scene_at(at0).w) + b.y * uintBitsToFloat(scene_at(at1).w) +
+                      b.z * uintBitsToFloat(scene_at(at2).w);
+    precise float v = b.x * uintBitsToFloat(scene_at(at0 + 1u).w) + b.y * uintBitsToFloat(scene_at(at1 + 1u).w) +
+                      b.z * uintBitsToFloat(scene_at(at2 + 1u).w);
+    return vec2(u, v);
+}
+
 // What multiplies the surface's colours at barycentric coordinates b: texture times vertex colour, 1 where absent.
 vec3 tintAt(uvec4 triangle, vec3 b, uint texture_) {
     vec3 tint = vec3(1.0f);
     if ((FEATURES & FEATURE_TEXTURES) != 0u && texture_ != NO_TEXTURE) {
-        uint at0 = vertexElement(triangle.x);
-        uint at1 = vertexElement(triangle.y);
-        uint at2 = vertexElement(triangle.z);
-        precise float u = b.x * uintBitsToFloat(scene_at(at0).w) + b.y * uintBitsToFloat(scene_at(at1).w) +
-                          b.z * uintBitsToFloat(scene_at(at2).w);
-        precise float v = b.x * uintBitsToFloat(scene_at(at0 + 1u).w) + b.y * uintBitsToFloat(scene_at(at1 + 1u).w) +
-                          b.z * uintBitsToFloat(scene_at(at2 + 1u).w);
-        tint = textureColour(texture_, u, v);
+        vec2 uv = textureCoordinates(triangle, b);
+        tint = textureColour(texture_, uv.x, uv.y);
     }
     if ((FEATURES & FEATURE_COLORS) != 0u) {
         uint last = frame.vertexStride - 1u;

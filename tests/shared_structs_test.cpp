@@ -53,6 +53,7 @@ TEST(SharedStructsInMemory, HaveNoPaddingAndNoUnnamedMembers) {
     expectEveryWordNamed<PathState>();
     expectEveryWordNamed<PendingRay>();
     expectEveryWordNamed<PixelResult>();
+    expectEveryWordNamed<PrimaryHit>();
 }
 
 /// One struct on its way to the device: a buffer of two, the first filled.
@@ -86,7 +87,8 @@ TEST_P(SharedStructs, GoToTheDeviceAndBackMemberByMember) {
     const Sent<PathState> state(device, 600, expected);
     const Sent<PendingRay> pending(device, 700, expected);
     const Sent<PixelResult> result(device, 800, expected);
-    const TileStep pushed = numbered<TileStep>(900);
+    const Sent<PrimaryHit> primary(device, 900, expected);
+    const TileStep pushed = numbered<TileStep>(1000);
     expected.putAll(pushed);
 
     Buffer words(device, expected.words.size() * 4);
@@ -94,7 +96,8 @@ TEST_P(SharedStructs, GoToTheDeviceAndBackMemberByMember) {
     Kernel kernel(device, "members", findKernel("members_storage").value());
     kernel.bind(0, words);
     const Buffer* buffers[] = {&ray.buffer,  &hit.buffer,   &header.buffer,  &params.buffer,
-                               &step.buffer, &state.buffer, &pending.buffer, &result.buffer};
+                               &step.buffer, &state.buffer, &pending.buffer, &result.buffer,
+                               &primary.buffer};
     for (uint32_t i = 0; i < std::size(buffers); ++i) kernel.bind(i + 1, *buffers[i]);
     Commands commands(device);
     commands.dispatch(kernel, {}, pushed);
@@ -109,6 +112,7 @@ TEST_P(SharedStructs, GoToTheDeviceAndBackMemberByMember) {
     state.expectTheSecondEqual();
     pending.expectTheSecondEqual();
     result.expectTheSecondEqual();
+    primary.expectTheSecondEqual();
 }
 
 }  // namespace

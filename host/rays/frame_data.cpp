@@ -129,9 +129,9 @@ void packLights(const Scene& scene, const Geometry& geometry, Packer& packer, Fr
 
 void packGeometry(const Geometry& geometry, Packer& packer, FrameData& data) {
     const bool normals = !geometry.normals.empty(), colors = !geometry.colors.empty();
-    const bool uvs = (data.features & FEATURE_TEXTURES) != 0;
+    const bool uvs = (data.features & FEATURE_UVS) != 0;
     if (!geometry.spheres.empty()) data.features |= FEATURE_SPHERES;
-    data.features |= (normals ? FEATURE_NORMALS : 0) | (uvs ? FEATURE_UVS : 0) | (colors ? FEATURE_COLORS : 0);
+    data.features |= (normals ? FEATURE_NORMALS : 0) | (colors ? FEATURE_COLORS : 0);
 
     data.params.trianglesAt = packer.here();
     const std::span<uvec4> triangles = packer.room(geometry.triangles.size());
@@ -210,11 +210,12 @@ void setView(const Scene& scene, const FrameOptions& options, FrameParams& param
     params.ambient = scene.ambient;
 }
 
-FrameData packFrame(const Scene& scene, const Geometry& geometry) {
+FrameData packFrame(const Scene& scene, const Geometry& geometry, bool keepsUvs) {
     FrameData data;
     Packer packer(data);
     const TextureList textures = listTextures(scene, geometry);
     if (!textures.textures.empty()) data.features |= FEATURE_TEXTURES;
+    if (!geometry.uvs.empty() && (keepsUvs || !textures.textures.empty())) data.features |= FEATURE_UVS;
     packMaterials(scene, textures, packer, data);
     packLights(scene, geometry, packer, data);
     packTextures(scene, textures, packer, data.params);

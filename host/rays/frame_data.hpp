@@ -15,9 +15,10 @@ struct FrameData {
     shared::FrameParams params{};  ///< where what is; camera and picture come from setView(), `slots` from who makes room
 };
 
-/// Packs lights, materials, textures and triangles. Requires what renderPicture requires.
+/// Packs lights, materials, textures and triangles. Requires what renderPicture requires. `keepsUvs`: texture coordinates
+/// are packed even where no texture asks for them.
 /// Cost: 16 bytes a triangle, and 16 to 48 bytes a vertex.
-FrameData packFrame(const Scene& scene, const Geometry& geometry);
+FrameData packFrame(const Scene& scene, const Geometry& geometry, bool keepsUvs = false);
 
 /// Fills in sky, camera and picture: enough for camera rays.
 void setView(const Scene& scene, const FrameOptions& options, shared::FrameParams& params);

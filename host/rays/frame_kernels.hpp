@@ -25,6 +25,7 @@ struct FrameKernels {
     const Hit* shadowHits = nullptr;
     vec4* contributions = nullptr;
     PixelResult* results = nullptr;
+    PrimaryHit* primaryHits = nullptr;
     std::span<const uvec4> scene;
 
     uvec4 scene_at(uint i) const { return scene[i]; }
@@ -33,6 +34,7 @@ struct FrameKernels {
     }
 
 #include "frame.glsl"
+#include "aov.glsl"
 };
 
 }  // namespace raig::shared

@@ -89,6 +89,20 @@ struct PixelResult {
     uint unused;
 };
 
+// What the ray through a pixel's centre meets first. Where it meets nothing depth is infinite, the ids are NO_HIT, all else 0.
+struct PrimaryHit {
+    vec3 position;   // in the world
+    float depth;     // along the ray, whose direction is unit length
+    vec3 normal;     // unit; interpolated where shading interpolates, on the ray's side
+    float u;         // texture coordinates if there are any in the scene, else the hit's barycentric ones
+    vec3 albedo;     // linear
+    float v;
+    uint primitive;  // the global id
+    uint instance;   // for the host to fill in
+    uint material;
+    uint pixel;
+};
+
 // The end of rays that have none: farther than any two points that rays can meet are apart.
 CONSTANT float FAR_AWAY = 3.4e38f;
 
