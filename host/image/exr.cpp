@@ -56,39 +56,44 @@ private:
     size_t at = 0;
 };
 
-/// A slice of 32-bit floats, `stride` floats a pixel, whose first pixel is the data window's corner. The library wants the
+/// A slice of 32-bit words, `stride` of them a pixel, whose first pixel is the data window's corner. The library wants the
 /// address of pixel (0, 0), which may lie outside the array: hence the arithmetic on an integer.
-Imf::Slice slice(float* first, size_t stride, const Imath::Box2i& window) {
+Imf::Slice slice(const void* first, size_t stride, const Imath::Box2i& window, Imf::PixelType type = Imf::FLOAT) {
     const auto xStride = static_cast<int64_t>(stride * sizeof(float));
     const int64_t yStride = xStride * (int64_t{window.max.x} - window.min.x + 1);
     const int64_t base = reinterpret_cast<intptr_t>(first) - window.min.x * xStride - window.min.y * yStride;
-    return Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(base), static_cast<size_t>(xStride), static_cast<size_t>(yStride));
+    return Imf::Slice(type, reinterpret_cast<char*>(base), static_cast<size_t>(xStride), static_cast<size_t>(yStride));
 }
 
 }  // namespace
 
-Bytes encodeExr(const Image& image, const Notes& notes) {
-    if (image.width > 1u << 24 || image.height > 1u << 24)
-        throw limitError("an exr of {} x {} pixels is too large to write", image.width, image.height);
-    Imf::Header header(static_cast<int>(image.width), static_cast<int>(image.height));
+Bytes encodeExr(uint32_t width, uint32_t height, std::span<const vec3> pixels, std::span<const Layer> layers,
+                const Notes& notes) {
+    if (width > 1u << 24 || height > 1u << 24)
+        throw limitError("an exr of {} x {} pixels is too large to write", width, height);
+    Imf::Header header(static_cast<int>(width), static_cast<int>(height));
     header.compression() = Imf::ZIP_COMPRESSION;
     std::string comments;
     for (const auto& [key, value] : notes) comments += fmt::format("{}{}: {}", comments.empty() ? "" : "\n", key, value);
     if (!comments.empty()) Imf::addComments(header, comments);
 
-    Imf::FrameBuffer frame;
-    auto* first = const_cast<float*>(&image.pixels[0].x);  // the library only reads from it
+    Imf::FrameBuffer frame;  // the library only reads from it
+    const auto insert = [&](const std::string& name, const void* first, size_t stride, Imf::PixelType type) {
+        header.channels().insert(name, Imf::Channel(type));
+        frame.insert(name, slice(first, stride, header.dataWindow(), type));
+    };
     const char* const names[] = {"R", "G", "B"};
-    for (int k = 0; k < 3; ++k) {
-        header.channels().insert(names[k], Imf::Channel(Imf::FLOAT));
-        frame.insert(names[k], slice(first + k, 3, header.dataWindow()));
-    }
+    for (int k = 0; k < 3 && !pixels.empty(); ++k) insert(names[k], &pixels[0].x + k, 3, Imf::FLOAT);
+    for (const Layer& layer : layers)
+        for (size_t k = 0; k < layer.channels.size(); ++k)
+            insert(layer.name + "." + layer.channels[k], layer.words.data() + k, layer.channels.size(),
+                   layer.isWhole ? Imf::UINT : Imf::FLOAT);
     Bytes bytes;
     {
         MemoryOutput stream(bytes);
         Imf::OutputFile file(stream, header, /* numThreads= */ 0);
         file.setFrameBuffer(frame);
-        file.writePixels(static_cast<int>(image.height));
+        file.writePixels(static_cast<int>(height));
     }  // the table of row offsets is written on closing
     return bytes;
 }

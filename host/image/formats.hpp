@@ -10,7 +10,8 @@ using ByteSpan = std::span<const std::byte>;
 
 Bytes encodePng(const Image& image, const Notes& notes);
 Bytes encodeHdr(const Image& image, const Notes& notes);
-Bytes encodeExr(const Image& image, const Notes& notes);
+Bytes encodeExr(uint32_t width, uint32_t height, std::span<const vec3> pixels, std::span<const Layer> layers,
+                const Notes& notes);
 Bytes encodePfm(const Image& image);
 
 /// PNG and JPEG.

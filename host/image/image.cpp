@@ -39,25 +39,43 @@ PictureFormat pictureFormat(const std::filesystem::path& path) {
     throw usageError("{}: pictures are written as .png, .hdr, .exr or .pfm; name the file so", path.string());
 }
 
-std::vector<std::byte> encodePicture(const Image& image, PictureFormat format, const Notes& notes) {
-    RAIG_CHECK(image.width > 0 && image.height > 0);
-    RAIG_CHECK_OP(image.pixels.size(), ==, size_t{image.width} * image.height);
+namespace {
+
+void checkNotes(const Notes& notes) {
     for (const auto& [key, value] : notes) {
         RAIG_CHECK(!key.empty() && key.size() < 80 && key.front() != ' ' && key.back() != ' ');
         RAIG_CHECK(std::all_of(key.begin(), key.end(), [](char c) { return c >= ' ' && c <= '~'; }));
     }
+}
+
+}  // namespace
+
+std::vector<std::byte> encodePicture(const Image& image, PictureFormat format, const Notes& notes) {
+    RAIG_CHECK(image.width > 0 && image.height > 0);
+    RAIG_CHECK_OP(image.pixels.size(), ==, size_t{image.width} * image.height);
+    checkNotes(notes);
     switch (format) {
         case PictureFormat::png:
             return image::encodePng(image, notes);
         case PictureFormat::hdr:
             return image::encodeHdr(image, notes);
         case PictureFormat::exr:
-            return image::encodeExr(image, notes);
+            return image::encodeExr(image.width, image.height, image.pixels, {}, notes);
         case PictureFormat::pfm:
             return image::encodePfm(image);
     }
     RAIG_CHECK(!"a picture format");
     return {};
+}
+
+std::vector<std::byte> encodeLayers(uint32_t width, uint32_t height, std::span<const vec3> pixels,
+                                    std::span<const Layer> layers, const Notes& notes) {
+    RAIG_CHECK(width > 0 && height > 0 && !(pixels.empty() && layers.empty()));
+    const size_t count = size_t{width} * height;
+    if (!pixels.empty()) RAIG_CHECK_OP(pixels.size(), ==, count);
+    for (const Layer& layer : layers) RAIG_CHECK_OP(layer.words.size(), ==, count * layer.channels.size());
+    checkNotes(notes);
+    return image::encodeExr(width, height, pixels, layers, notes);
 }
 
 uint64_t countNonFinite(const Image& image) {

@@ -37,6 +37,14 @@ PictureFormat pictureFormat(const std::filesystem::path& path);
 /// Text kept in the file, as (key, value): what the picture was made with. Keys are ASCII of 1..79 characters.
 using Notes = std::vector<std::pair<std::string, std::string>>;
 
+/// More that is known of each pixel, for OpenEXR: its channels are called `name`.`channel` there.
+struct Layer {
+    std::string name;
+    std::vector<std::string> channels;
+    bool isWhole = false;         ///< whole numbers (UINT), else floats (FLOAT)
+    std::vector<uint32_t> words;  ///< row by row from the top, a pixel's channels side by side: numbers, or bits of floats
+};
+
 /// A picture as the bytes of a file. The same picture and notes give the same bits.
 ///
 ///     png   8 bits a channel, sRGB: clamped to [0, 1], rounded half up; a pixel with a NaN is magenta. Notes: text chunks.
@@ -48,6 +56,11 @@ using Notes = std::vector<std::pair<std::string, std::string>>;
 /// Requires width, height > 0 and width * height pixels. Throws limitError if the format cannot hold so large a picture.
 /// Cost: O(pixels); some 40 ms of one core for 512 x 512 as png.
 std::vector<std::byte> encodePicture(const Image& image, PictureFormat format, const Notes& notes = {});
+
+/// The same of a picture with layers, or of layers alone (then without channels R, G and B), as one part of an exr; every
+/// bit is kept. Requires one or the other, and in each layer width * height * channels words.
+std::vector<std::byte> encodeLayers(uint32_t width, uint32_t height, std::span<const vec3> pixels,
+                                    std::span<const Layer> layers, const Notes& notes = {});
 
 /// Pixels with a NaN or infinite channel.
 uint64_t countNonFinite(const Image& image);
