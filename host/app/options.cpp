@@ -1,5 +1,6 @@
 #include "app/options.hpp"
 
+#include "app/aov_options.hpp"
 #include "app/chart_options.hpp"
 #include "app/compare_options.hpp"
 #include "app/written_files.hpp"
@@ -204,12 +205,14 @@ void addRender(CLI::App& app, Options& options) {
     addInput(command, options, "scene", "a .gltf, .glb, .obj, .ply or .stl file")->required();
     addPictureFile(command, options, "the picture: .png, .hdr, .exr or .pfm", true);
     addPicture(command, options, 512);
+    addAovOptions(command, options);
     addStructure(command, options);
     addCommon(command, options);
     command.footer("Examples:\n"
                    "  raig render scene.glb -o out.png\n"
                    "  raig render scene.obj -o out.exr --size 1280x720 --spp 16 --device cpu\n"
-                   "  raig render glass.glb -o out.png --max-depth 20 --min-contribution 1/4096");
+                   "  raig render glass.glb -o out.png --max-depth 20 --min-contribution 1/4096\n" +
+                   aovHelp());
 }
 
 void addTrace(CLI::App& app, Options& options) {

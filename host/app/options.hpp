@@ -1,6 +1,7 @@
 /// What the command line asked for, as plain values, checked: every number is in its range.
 #pragma once
 
+#include "app/aov.hpp"
 #include "measure/compare_bounds.hpp"
 #include "rays/types.hpp"
 #include "structures/structure.hpp"
@@ -46,6 +47,10 @@ struct Options {
     uint32_t maxDepth = 8;                 ///< NIVELL_MAX: levels of reflection and refraction below the primary ray
     double minContribution = 1.0 / 512.0;  ///< MIN_CONTRIB: no ray that contributes less is traced
     uint32_t samples = 0;                  ///< a pixel; 0: the command's own default
+
+    // render.
+    std::vector<Aov> aovs;    ///< to be written; each once
+    std::optional<Aov> view;  ///< what the picture shows instead of light
 
     // compare.
     std::vector<Bound> bounds;  ///< of metrics; more than one of the same are all held to

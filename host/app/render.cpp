@@ -1,8 +1,11 @@
 // `raig render`: a picture of a scene.
+#include "app/aov_layers.hpp"
+#include "app/aov_options.hpp"
 #include "app/commands.hpp"
 #include "app/progress.hpp"
 #include "app/setup.hpp"
 #include "base/error.hpp"
+#include "base/files.hpp"
 #include "base/log.hpp"
 #include "image/image.hpp"
 #include "rays/frame.hpp"
@@ -35,6 +38,10 @@ Discarded measureDiscarded(const Picture& picture) {
 
 double raysTraced(const FrameStatistics& statistics) { return double(statistics.closestRays + statistics.shadowRays); }
 
+bool isWanted(const Options& options, Aov aov) {
+    return options.view == aov || std::ranges::find(options.aovs, aov) != options.aovs.end();
+}
+
 FrameOptions frameOptions(const Options& options, const Scene& scene) {
     FrameOptions frame;
     frame.width = options.width;
@@ -44,15 +51,65 @@ FrameOptions frameOptions(const Options& options, const Scene& scene) {
     frame.minContribution = static_cast<float>(options.minContribution);
     frame.seed = options.seed;
     frame.camera = chooseCamera(scene, options.camera);
+    frame.keepsLevels = isWanted(options, Aov::level);
+    frame.countsCosts = isWanted(options, Aov::cost);
     return frame;
 }
 
+/// What light shows is left out where another view is wanted and nothing else is known from it.
+bool needsPicture(const Options& options) {
+    return !options.view || std::ranges::any_of(aovTypes(), [&](const AovType& type) {
+        return type.isOfPicture && isWanted(options, type.aov);
+    });
+}
+
+Picture makePicture(const Setup& setup, const FrameOptions& frame) {
+    Progress progress("render");
+    return setup.device ? renderPicture(*setup.device, setup.scene, setup.geometry, *setup.deviceTracer, frame,
+                                        progress.callback())
+                        : renderPicture(setup.scene, setup.geometry, *setup.tracer, frame, progress.callback());
+}
+
+bool needsHits(const Options& options) {
+    return std::ranges::any_of(aovTypes(), [&](const AovType& type) {
+        return !type.isOfPicture && isWanted(options, type.aov);
+    });
+}
+
+PrimaryHits makeHits(const Setup& setup, const FrameOptions& frame) {
+    return setup.device ? findPrimaryHits(*setup.device, setup.scene, setup.geometry, *setup.deviceTracer, frame)
+                        : findPrimaryHits(setup.scene, setup.geometry, *setup.tracer, frame);
+}
+
+Image imageOf(Picture& picture) {
+    Image image;
+    image.width = picture.width;
+    image.height = picture.height;
+    image.pixels = std::move(picture.radiance);
+    return image;
+}
+
+/// Writes the picture, and AOVs as its layers or beside it. Returns how many of its pixels are not finite.
+uint64_t writeAll(const Options& options, const Image& image, const AovSources& sources, const Notes& notes) {
+    std::vector<Layer> layers;
+    for (const Aov aov : options.aovs) layers.push_back(layerOf(aov, sources));
+    const std::vector<std::filesystem::path> files = aovFiles(options);
+    for (size_t i = 0; i < files.size(); ++i)
+        writeFileAtomically(files[i],
+                            encodeLayers(image.width, image.height, {}, std::span(layers).subspan(i, 1), notes));
+    if (layers.empty() || !files.empty()) return writePicture(options.output, image, notes);
+    writeFileAtomically(options.output, encodeLayers(image.width, image.height, image.pixels, layers, notes));
+    return countNonFinite(image);
+}
+
 Notes notesOf(const Options& options, const FrameOptions& frame, const Setup& setup) {
-    return {{"Software", "raig"},
-            {"Scene", options.inputs.front().filename().string()},
-            {"Recursion", fmt::format("NIVELL_MAX {}, MIN_CONTRIB {}", frame.maxDepth, options.minContribution)},
-            {"Samples", fmt::format("{} a pixel, seed {}", frame.samples, frame.seed)},
-            {"Structure", setup.structure.name}};
+    Notes notes = {{"Software", "raig"},
+                   {"Scene", options.inputs.front().filename().string()},
+                   {"Recursion", fmt::format("NIVELL_MAX {}, MIN_CONTRIB {}", frame.maxDepth, options.minContribution)},
+                   {"Samples", fmt::format("{} a pixel, seed {}", frame.samples, frame.seed)},
+                   {"Structure", setup.structure.name}};
+    if (options.view) notes.emplace_back("Shows", typeOf(*options.view).name);
+    return notes;
 }
 
 void describe(const Picture& picture, const Discarded& discarded) {
@@ -107,30 +164,36 @@ nlohmann::ordered_json toJson(const Setup& setup, const FrameOptions& frame, con
             {"remarks", setup.scene.remarks}};
 }
 
+void addAovs(const Options& options, const AovView& view, nlohmann::ordered_json& document) {
+    document["aovs"] = nlohmann::json::array();
+    for (const Aov aov : options.aovs) document["aovs"].push_back(typeOf(aov).name);
+    if (!options.view) return;
+    document["view"] = {{"name", typeOf(*options.view).name}};
+    if (view.range) document["view"].update({{"min", view.range->first}, {"max", view.range->second}});
+}
+
 }  // namespace
 
 int render(const Options& options) {
     const std::unique_ptr<Setup> setup = prepare(options, options.inputs.front());
     const FrameOptions frame = frameOptions(options, setup->scene);
     Picture picture;
-    {
-        Progress progress("render");
-        picture = setup->device ? renderPicture(*setup->device, setup->scene, setup->geometry, *setup->deviceTracer, frame,
-                                                progress.callback())
-                                : renderPicture(setup->scene, setup->geometry, *setup->tracer, frame, progress.callback());
-    }
-    Image image;
-    image.width = picture.width;
-    image.height = picture.height;
-    image.pixels = std::move(picture.radiance);
-    const uint64_t nonFinite = writePicture(options.output, image, notesOf(options, frame, *setup));
+    PrimaryHits hits;
+    if (needsPicture(options)) picture = makePicture(*setup, frame);
+    if (needsHits(options)) hits = makeHits(*setup, frame);
+    const AovSources sources{frame.width, frame.height, frame.samples, picture, hits};
+    const AovView view = options.view ? viewOf(*options.view, sources) : AovView{imageOf(picture), std::nullopt};
+    const uint64_t nonFinite = writeAll(options, view.image, sources, notesOf(options, frame, *setup));
     if (nonFinite > 0) log::warn("{}: {} pixels are not finite", options.output.string(), nonFinite);
 
     const Discarded discarded = measureDiscarded(picture);
-    describe(picture, discarded);
+    if (needsPicture(options)) describe(picture, discarded);
+    if (view.range)
+        log::note("view: {} from {:.6g} to {:.6g}", typeOf(*options.view).name, view.range->first, view.range->second);
     if (options.json) {
         nlohmann::ordered_json document = toJson(*setup, frame, picture, discarded);
         document["output"] = options.output.string();
+        addAovs(options, view, document);
         document["non_finite_pixels"] = nonFinite;
         std::puts(document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     }

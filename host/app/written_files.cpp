@@ -1,5 +1,6 @@
 #include "app/written_files.hpp"
 
+#include "app/aov_options.hpp"
 #include "base/error.hpp"
 
 #include <unistd.h>
@@ -52,6 +53,7 @@ void checkFilesDiffer(const Options& options) {
     std::vector<std::filesystem::path> read = options.inputs;
     read.insert(read.end(), {options.rays, options.loadStructure});
     std::vector<std::filesystem::path> written = {options.output, options.hits, options.saveStructure, options.junit};
+    for (const std::filesystem::path& file : aovFiles(options)) written.push_back(file);
     if (!options.folder.empty())
         written.insert(written.begin(), {options.folder / "index.html", options.folder / "stress.json"});
     for (size_t i = 0; i < written.size(); ++i) {
@@ -69,6 +71,7 @@ void checkFilesDiffer(const Options& options) {
 void checkWrittenFiles(const Options& options) {
     checkFilesDiffer(options);
     checkFolderOf(options.output);
+    for (const std::filesystem::path& file : aovFiles(options)) checkFolderOf(file);
     checkFolderOf(options.hits);
     checkFolderOf(options.saveStructure);
     checkFolderOf(options.junit, options.folder);
