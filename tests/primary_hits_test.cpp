@@ -29,7 +29,9 @@ Scene furnishedRoom() {
     Scene scene = variedRoom();
     const uint32_t ball = addSphere(scene, {-1.2f, 1.0f, 0.5f}, 1.0f, 10, true, tintedGlass());
     const uint32_t block = addSphere(scene, {1.2f, 1.0f, -0.5f}, 1.0f, 6, false, metal(vec3(0.9f, 0.8f, 0.5f)));
-    addTrueSphere(scene, {0.2f, 0.5f, 2.0f}, 0.5f, matte(vec3(0.3f, 0.6f, 0.9f)));
+    Material polished = matte(vec3(0.3f, 0.6f, 0.9f));
+    polished.roughness = 0.1f;
+    addTrueSphere(scene, {0.2f, 0.5f, 2.0f}, 0.5f, polished);
     dmat4 mirrored(1.0);
     mirrored[0] = dvec4(-0.8, 0, 0.1, 0);
     mirrored[1].y = 0.6;
