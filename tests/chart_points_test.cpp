@@ -65,6 +65,8 @@ TEST(PointStore, StandsLinesThatAreCutOffOrDamaged) {
 TEST(PointStore, SaysThatItCannotBeWritten) {
     const test::TemporaryFolder folder;
     EXPECT_THROW(PointStore(folder.path / "none" / "points.jsonl", "me"), Error);
+    std::filesystem::create_symlink("/dev/zero", folder.path / "points.jsonl");
+    EXPECT_THROW(PointStore(folder.path / "points.jsonl", "me"), Error);
 }
 
 Sweep withLaw(const char* law) {

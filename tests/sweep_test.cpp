@@ -85,6 +85,10 @@ TEST(Sweep, IsRefusedWithItsPlace) {
         {R"({"name": 1e999})", "a number that is out of range"},
         {with("a/b~c", "1"), "there is no key"},
         {R"({"sweeps": [{"name": 3}]})", "f.json#/sweeps/0"},
+        {with("title", R"("a\u001b[31m")"), "f.json#/title: a text without control characters"},
+        {with("settings", R"({"label": "a\u0007"})"), "f.json#/settings/label: a text without control characters"},
+        {with("scenes", "[]"), "f.json#/scenes: it must not be empty"},
+        {with("draw", "[]"), "f.json#/draw: it must not be empty"},
     };
     for (const auto& [text, complaint] : cases)
         EXPECT_NE(complaintOf(text).find(complaint), std::string::npos)

@@ -34,6 +34,13 @@ std::optional<std::pair<std::string, ChartPoint>> readLine(const std::string& li
 
 PointStore::PointStore(const std::filesystem::path& file, std::string identity)
     : file_(file), identity_(std::move(identity)) {
+    constexpr uint64_t mostBytes = uint64_t{256} << 20;
+    std::error_code none;
+    const auto status = std::filesystem::symlink_status(file, none);
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+        throw inputError(file.string(), "is no regular file; name another folder, or remove it");
+    if (std::filesystem::exists(status) && std::filesystem::file_size(file) > mostBytes)
+        throw inputError(file.string(), "has more than {} MiB; remove it, or measure --fresh", mostBytes >> 20);
     bool endsLine = true;
     {
         std::ifstream in(file);

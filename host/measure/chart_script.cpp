@@ -1,3 +1,4 @@
+#include "base/error.hpp"
 #include "base/files.hpp"
 #include "measure/chart_axes.hpp"
 #include "measure/gnuplot.hpp"
@@ -270,6 +271,22 @@ std::vector<ChartPanel> drawPanels(const std::vector<Panel>& panels, const std::
     std::string script;
     for (const Panel& panel : panels) script += scriptOf(panel, folder);
     if (!script.empty()) runGnuplot(script);
+    // gnuplot does not notice that a file could not be written whole.
+    const auto endsWith = [&](const Panel& panel, const char* ending, std::string_view end) {
+        const std::vector<std::byte> bytes = readFile(fileOf(folder, panel, ending));
+        const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+        return text.size() >= end.size() &&
+               text.substr(text.size() - std::min<size_t>(text.size(), end.size() + 8)).find(end) != std::string_view::npos;
+    };
+    for (const Panel& panel : panels)
+        for (const auto& [ending, end] : {std::pair(".svg", "</svg>"), {".dark.svg", "</svg>"}, {".png", "IEND"}})
+            if (!endsWith(panel, ending, end)) {
+                std::error_code ignored;
+                for (const char* const part : {".svg", ".dark.svg", ".png"})
+                    std::filesystem::remove(fileOf(folder, panel, part), ignored);
+                throw inputError(fileOf(folder, panel, ending).string(),
+                                 "could not be written whole; is there room for it?");
+            }
     std::vector<ChartPanel> drawn;
     const auto read = [&](const Panel& panel, const char* ending) {
         const std::vector<std::byte> bytes = readFile(fileOf(folder, panel, ending));

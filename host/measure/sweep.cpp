@@ -39,7 +39,14 @@ public:
 
     std::string text() const {
         if (!json_.is_string()) throw error("a text is wanted");
-        return json_.get<std::string>();
+        std::string text = json_.get<std::string>();
+        checkPlain(text);
+        return text;
+    }
+    /// Texts end up in terminals, pages and pictures.
+    void checkPlain(const std::string& text) const {
+        if (std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
+            throw error("a text without control characters is wanted");
     }
     double number() const {
         if (!json_.is_number()) throw error("a number is wanted");
@@ -92,6 +99,7 @@ void expand(const Node& block, std::vector<Json>& points) {
         for (const Json& point : all)
             for (const Node& choice : choices) {
                 if (!isScalar(choice.json())) throw choice.error("a number or a text is wanted");
+                if (choice.json().is_string()) choice.text();  // checks it
                 longer.push_back(point);
                 longer.back()[key] = choice.json();
                 if (longer.size() > mostPoints) throw block.error("more than {} points", mostPoints);
@@ -195,6 +203,9 @@ Sweep readSweep(const Node& node) {
     sweep.text = node.textOr("text", "");
     sweep.task = node.at("task").text();
     sweep.scenes = node.has("scenes") ? node.textsOf("scenes") : std::vector<std::string>{"given"};
+    for (const char* const list : {"scenes", "draw", "settings"})
+        if (node.has(list) && node.at(list).json().is_array() && node.at(list).json().empty())
+            throw node.at(list).error("it must not be empty");
     for (const Node& block : node.at("settings").entries()) expand(block, sweep.settings);
     sweep.measures = node.textsOf("measure");
     for (const Node& drawing : node.at("draw").entries()) sweep.drawings.push_back(readDrawing(drawing));
