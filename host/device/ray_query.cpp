@@ -148,8 +148,7 @@ struct RayQuery::State {
     VkDescriptorPool pool = VK_NULL_HANDLE;
     VkDescriptorSet set = VK_NULL_HANDLE;
     VkQueryPool clock = VK_NULL_HANDLE;  ///< none where the device has none
-    double buildSeconds = 0.0;
-    uint32_t raysAtOnce = 4096;  ///< of a dispatch; learnt
+    uint32_t raysAtOnce = 4096;          ///< of a dispatch; learnt
 };
 
 void RayQuery::State::makePipeline(std::span<const uint32_t> spirv) {
@@ -260,25 +259,19 @@ RayQuery::RayQuery(Device& device, std::span<const vec3> positions, std::span<co
     RAIG_CHECK(!positions.empty() && !triangles.empty());
     State& state = *state_;
     const Buffer corners = bufferOf(device, positions), indices = bufferOf(device, triangles);
-    state.buildSeconds =
-        build(device, state.bottom, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR,
-              trianglesOf(state.device, corners, indices, positions.size()), static_cast<uint32_t>(triangles.size()));
+    build(device, state.bottom, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR,
+          trianglesOf(state.device, corners, indices, positions.size()), static_cast<uint32_t>(triangles.size()));
     VkAccelerationStructureInstanceKHR instance{};
     for (int axis = 0; axis < 3; ++axis) instance.transform.matrix[axis][axis] = 1.0f;
     instance.mask = 0xff;
     instance.flags = VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR;
     instance.accelerationStructureReference = state.bottom.address();
     const Buffer instances = bufferOf(device, std::span<const VkAccelerationStructureInstanceKHR>(&instance, 1));
-    state.buildSeconds +=
-        build(device, state.top, VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, instancesOf(state.device, instances), 1);
+    build(device, state.top, VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, instancesOf(state.device, instances), 1);
     state.makePipeline(spirv);
 }
 
 RayQuery::~RayQuery() = default;
-
-double RayQuery::buildSeconds() const {
-    return state_->buildSeconds;
-}
 
 RunReport RayQuery::trace(const Buffer& rays, const Buffer& hits, uint32_t count, bool anyHit) {
     const double target = state_->device.info.type == DeviceType::software ? 0.25 : 0.02;

@@ -19,9 +19,6 @@ public:
              std::span<const uint32_t> spirv);
     ~RayQuery();
 
-    /// Of the driver's build, by wall time, transfers excluded.
-    double buildSeconds() const;
-
     /// Traces `count` rays (shared/rays.glsl's Ray, tightly packed) into hits, in dispatches that take about as long as they
     /// may. `anyHit`: the first that is met.
     RunReport trace(const Buffer& rays, const Buffer& hits, uint32_t count, bool anyHit);

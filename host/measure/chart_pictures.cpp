@@ -2,6 +2,7 @@
 
 #include "image/metrics.hpp"
 #include "measure/compare.hpp"
+#include "measure/timing.hpp"
 #include "rays/frame.hpp"
 #include "rays/lights.hpp"
 
@@ -14,10 +15,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr uint32_t samples = 4;
-
-double secondsSince(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 }  // namespace
 

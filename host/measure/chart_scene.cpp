@@ -77,14 +77,7 @@ Scene slivers() {
 Scene farSphere() {
     Scene scene;
     scene.materials = {Material{}};
-    Mesh mesh;
-    for (const Triangle& t : hard::sphere(24, 20.0, dvec3(1e6), 0.2)) {
-        const auto first = static_cast<uint32_t>(mesh.positions.size());
-        mesh.positions.insert(mesh.positions.end(), {t.a, t.b, t.c});
-        mesh.triangles.push_back({first, first + 1, first + 2});
-    }
-    mesh.materials.assign(mesh.triangles.size(), 0);
-    scene.meshes = {mesh};
+    scene.meshes = {hard::meshOf(hard::sphere(24, 20.0, dvec3(1e6), 0.2))};
     scene.instances = {{0, dmat4(1.0)}};
     completeScene(scene);
     return scene;

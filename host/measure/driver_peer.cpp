@@ -46,10 +46,6 @@ DriverPeer::DriverPeer(const DeviceInfo& info, const Geometry& geometry)
 
 DriverPeer::~DriverPeer() = default;
 
-double DriverPeer::buildSeconds() const {
-    return scene_->buildSeconds();
-}
-
 const std::string& DriverPeer::device() const {
     return device_->info().name;
 }

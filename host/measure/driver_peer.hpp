@@ -20,7 +20,6 @@ public:
     DriverPeer(const DeviceInfo& info, const Geometry& geometry);
     ~DriverPeer();
 
-    double buildSeconds() const;
     const std::string& device() const;
 
     /// Rays on the device, to be traced there. The peer and the rays must outlive them.

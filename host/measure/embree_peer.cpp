@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "base/threads.hpp"
+#include "measure/timing.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -35,10 +36,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr size_t grain = 4096;  // rays of one thread at a time
-
-double secondsSince(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 constexpr size_t width = 8;
 static_assert(sizeof(RTCRayHit8) == width * sizeof(RTCRayHit));
@@ -247,11 +244,19 @@ std::optional<std::string> embreeVersion() {
 
 struct EmbreePeer::State {};
 
-std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry&) { return nullptr; }
-bool EmbreePeer::makeRobust(const Geometry&) { return false; }
+std::unique_ptr<EmbreePeer> EmbreePeer::make(const Geometry&) {
+    return nullptr;
+}
+bool EmbreePeer::makeRobust(const Geometry&) {
+    return false;
+}
 void EmbreePeer::copyHits(std::span<Hit>, Width) const {}
-EmbreePeer::Traced EmbreePeer::trace(std::span<const Ray>, Query, Width, bool) { return {}; }
-std::optional<std::string> embreeVersion() { return std::nullopt; }
+EmbreePeer::Traced EmbreePeer::trace(std::span<const Ray>, Query, Width, bool) {
+    return {};
+}
+std::optional<std::string> embreeVersion() {
+    return std::nullopt;
+}
 
 #endif
 

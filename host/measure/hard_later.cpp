@@ -132,17 +132,6 @@ std::vector<Scene> roundOnes(const Draw& draw) {
 
 // ---- Case 63 -----------------------------------------------------------------------------------------------------------
 
-Mesh meshOf(const std::vector<Triangle>& triangles) {
-    Mesh mesh;
-    for (const Triangle& t : triangles) {
-        const auto first = static_cast<uint32_t>(mesh.positions.size());
-        mesh.positions.insert(mesh.positions.end(), {t.a, t.b, t.c});
-        mesh.triangles.emplace_back(first, first + 1, first + 2);
-        mesh.materials.push_back(0);
-    }
-    return mesh;
-}
-
 /// Turns, scales, mirrors and skews, each by its number, and moves to around `centre`.
 dmat4 anyPlace(Random& random, int number, const dvec3& centre, double reach, double size) {
     const dvec3 x = random.direction(), y = glm::normalize(glm::cross(x, random.direction()));

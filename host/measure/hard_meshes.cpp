@@ -85,4 +85,15 @@ std::vector<Triangle> sphere(uint32_t rings, double radius, dvec3 centre, double
     return triangles;
 }
 
+Mesh meshOf(const std::vector<Triangle>& triangles) {
+    Mesh mesh;
+    for (const Triangle& t : triangles) {
+        const auto first = static_cast<uint32_t>(mesh.positions.size());
+        mesh.positions.insert(mesh.positions.end(), {t.a, t.b, t.c});
+        mesh.triangles.emplace_back(first, first + 1, first + 2);
+        mesh.materials.push_back(0);
+    }
+    return mesh;
+}
+
 }  // namespace raig::hard

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/random.hpp"
+#include "scene/scene.hpp"
 #include "structures/structure.hpp"
 
 #include <array>
@@ -29,5 +30,8 @@ float anyZero(Random& random);
 
 /// A closed triangle mesh of a bumpy sphere: `rings` x 2 `rings`, the vertices shared exactly.
 std::vector<Triangle> sphere(uint32_t rings, double radius, dvec3 centre, double bumps = 0.0);
+
+/// Each triangle with corners of its own, of material 0.
+Mesh meshOf(const std::vector<Triangle>& triangles);
 
 }  // namespace raig::hard

@@ -81,10 +81,6 @@ bool meets(std::string_view method, const Triangle& triangle, const Ray& ray) {
     return method == "float-double" ? isMet<float, true>(triangle, ray) : isMet<float, false>(triangle, ray);
 }
 
-double secondsSince(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 /// Counts the rays that miss; every triangle is tried by each ray, found or not, so that all methods do the same work.
 uint64_t countMisses(std::string_view method, const Trial& trial) {
     uint64_t missed = 0;

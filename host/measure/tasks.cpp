@@ -88,23 +88,20 @@ private:
     uint32_t seed_;
 };
 
+template <class Kind>
+std::unique_ptr<Task> make(const TaskSettings& settings) {
+    return std::make_unique<Kind>(settings);
+}
+
 constexpr std::pair<const char*, std::unique_ptr<Task> (*)(const TaskSettings&)> tasks[] = {
-    {"trace", makeTraceTask}, {"picture", makePictureTask}, {"precision", makePrecisionTask}, {"spawn", makeSpawnTask}};
+    {"trace", makeTraceTask}, {"picture", makePictureTask}, {"precision", make<PrecisionTask>}, {"spawn", make<SpawnTask>}};
 
 }  // namespace
 
-std::unique_ptr<Task> makePrecisionTask(const TaskSettings& settings) {
-    return std::make_unique<PrecisionTask>(settings);
-}
-
-std::unique_ptr<Task> makeSpawnTask(const TaskSettings& settings) {
-    return std::make_unique<SpawnTask>(settings);
-}
-
 std::unique_ptr<Task> makeTask(const std::string& name, const TaskSettings& settings) {
     std::vector<std::string> names;
-    for (const auto& [known, make] : tasks) {
-        if (name == known) return make(settings);
+    for (const auto& [known, makeIt] : tasks) {
+        if (name == known) return makeIt(settings);
         names.emplace_back(known);
     }
     throw usageError("there is no task \"{}\"; there are {}", name, fmt::join(names, ", "));

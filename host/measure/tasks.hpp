@@ -37,8 +37,6 @@ public:
 
 std::unique_ptr<Task> makeTraceTask(const TaskSettings& settings);
 std::unique_ptr<Task> makePictureTask(const TaskSettings& settings);
-std::unique_ptr<Task> makePrecisionTask(const TaskSettings& settings);
-std::unique_ptr<Task> makeSpawnTask(const TaskSettings& settings);
 
 /// The task of that name. Throws usageError, which lists those there are.
 std::unique_ptr<Task> makeTask(const std::string& name, const TaskSettings& settings);

@@ -7,6 +7,10 @@
 
 namespace raig {
 
+double secondsSince(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 Quartiles quartilesOf(std::vector<double> values) {
     RAIG_CHECK(!values.empty());
     std::sort(values.begin(), values.end());

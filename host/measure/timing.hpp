@@ -4,10 +4,14 @@
 #include "device/buffer.hpp"
 #include "rays/tracer.hpp"
 
+#include <chrono>
 #include <functional>
 #include <vector>
 
 namespace raig {
+
+/// By the wall clock.
+double secondsSince(std::chrono::steady_clock::time_point start);
 
 struct Quartiles {
     double median = 0.0, q1 = 0.0, q3 = 0.0;

@@ -4,6 +4,7 @@
 #include "measure/embree_peer.hpp"
 #include "measure/naive_bvh.hpp"
 #include "measure/tasks.hpp"
+#include "measure/timing.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,10 +16,6 @@ namespace raig {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// A whole number among those allowed, or 0 where the setting is not there.
 uint32_t choiceOf(const Json& settings, const char* name, std::initializer_list<uint32_t> allowed) {

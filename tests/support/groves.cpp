@@ -1,6 +1,7 @@
 #include "support/groves.hpp"
 
 #include "base/random.hpp"
+#include "measure/hard_meshes.hpp"
 #include "support/soups.hpp"
 
 namespace raig::test {
@@ -30,17 +31,6 @@ dmat4 shear(Random& random) {
     return m;
 }
 
-Mesh meshOf(const std::vector<Triangle>& triangles) {
-    Mesh mesh;
-    for (const Triangle& t : triangles) {
-        const auto first = static_cast<uint32_t>(mesh.positions.size());
-        mesh.positions.insert(mesh.positions.end(), {t.a, t.b, t.c});
-        mesh.triangles.emplace_back(first, first + 1, first + 2);
-        mesh.materials.push_back(0);
-    }
-    return mesh;
-}
-
 /// Ordinary triangles, with a few that none can hit.
 std::vector<Triangle> shreds(Random& random, size_t count) {
     std::vector<Triangle> triangles;
@@ -57,7 +47,8 @@ Scene startScene(uint64_t seed) {
     Random random(seed);
     Scene scene;
     scene.materials.emplace_back();
-    scene.meshes = {meshOf(sphere(5, 1.0, dvec3(0), 0.1)), meshOf(shreds(random, 30)), meshOf(sphere(3, 0.7, dvec3(0.2)))};
+    scene.meshes = {hard::meshOf(sphere(5, 1.0, dvec3(0), 0.1)), hard::meshOf(shreds(random, 30)),
+                    hard::meshOf(sphere(3, 0.7, dvec3(0.2)))};
     return scene;
 }
 
@@ -102,8 +93,8 @@ Scene displacedGrove() {
         scene.meshes[1].spheres.push_back({vec3(1000, -3000, 500) + random.inCube(-1, 1), 0.1f + 0.1f * i});
     scene.meshes[1].materials.resize(scene.meshes[1].primitiveCount(), 0);
     for (uint32_t i = 0; i < 12; ++i)
-        scene.instances.push_back({i % 2, translation(3.0 * dvec3(random.inCube(-1, 1))) * rotation(random) *
-                                              translation({-1000, 3000, -500})});
+        scene.instances.push_back(
+            {i % 2, translation(3.0 * dvec3(random.inCube(-1, 1))) * rotation(random) * translation({-1000, 3000, -500})});
     return scene;
 }
 
@@ -121,7 +112,7 @@ Scene sliverGrove() {
     }
     const std::vector<Triangle> ball = sphere(4, 1.0, dvec3(0), 0.1);
     slivers.insert(slivers.end(), ball.begin(), ball.end());
-    scene.meshes.push_back(meshOf(slivers));
+    scene.meshes.push_back(hard::meshOf(slivers));
     for (int i = 0; i < 10; ++i)
         scene.instances.push_back(
             {0, translation((i % 3 == 0 ? 50.0 : 2.0) * dvec3(random.inCube(-1, 1))) * rotation(random)});
@@ -157,7 +148,7 @@ Scene overflowingGrove(float far) {
         triangles.push_back(
             {vec3(0, y, 0), vec3(0, y + 0.01f * wide, 0.1f * wide), vec3(0, y, static_cast<float>(random.unit()) * wide)});
     }
-    scene.meshes.push_back(meshOf(triangles));
+    scene.meshes.push_back(hard::meshOf(triangles));
     for (int i = 0; i < 3; ++i)
         scene.instances.push_back({0, translation({0, 268435456.0 * i, 0}) * scaling({0x1p100, 1, 1})});
     return scene;
