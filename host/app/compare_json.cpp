@@ -1,8 +1,7 @@
 #include "app/compare_json.hpp"
 
+#include "measure/compare_bounds.hpp"
 #include "measure/junit.hpp"
-
-#include <limits>
 
 namespace raig {
 
@@ -95,17 +94,11 @@ Json bitsOf(const SceneComparison& scene) {
 }  // namespace
 
 Json toJson(const PictureDifference& d) {
-    const auto of = [&](double value) { return d.pixels > 0 ? value : std::numeric_limits<double>::quiet_NaN(); };
-    return {{"rmse", of(d.rmse)},
-            {"relmse", of(d.relmse)},
-            {"psnr", of(d.psnr)},
-            {"ssim", of(d.ssim)},
-            {"flip_mean", of(d.flipMean)},
-            {"flip_p99", of(d.flipP99)},
-            {"flip_max", of(d.flipMax)},
-            {"max", of(d.max)},
-            {"nan", d.nan},
-            {"compared", d.pixels}};
+    Json json;
+    for (const auto& [name, value] : valuesOf(d)) json[std::string(name)] = value;
+    json["nan"] = d.nan;
+    json["compared"] = d.pixels;
+    return json;
 }
 
 Json toJson(const SceneComparison& scene) {

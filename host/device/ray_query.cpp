@@ -47,9 +47,9 @@ struct Level {
     VkAccelerationStructureKHR handle = VK_NULL_HANDLE;
 };
 
-/// Builds a level over one geometry of `count` primitives. Returns seconds.
-double build(Device& device, Level& level, VkAccelerationStructureTypeKHR type, VkAccelerationStructureGeometryKHR geometry,
-             uint32_t count) {
+/// Builds a level over one geometry of `count` primitives.
+void build(Device& device, Level& level, VkAccelerationStructureTypeKHR type, VkAccelerationStructureGeometryKHR geometry,
+           uint32_t count) {
     Device::State& state = device.state();
     geometry.sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR;
     geometry.flags = VK_GEOMETRY_OPAQUE_BIT_KHR;
@@ -88,10 +88,8 @@ double build(Device& device, Level& level, VkAccelerationStructureTypeKHR type, 
         recorder.commands, VK_PIPELINE_STAGE_ACCELERATION_STRUCTURE_BUILD_BIT_KHR,
         VK_PIPELINE_STAGE_ACCELERATION_STRUCTURE_BUILD_BIT_KHR | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1, &memory, 0,
         nullptr, 0, nullptr);
-    const Clock::time_point start = Clock::now();
     recorder.submit();
     recorder.wait();
-    return secondsSince(start);
 }
 
 VkAccelerationStructureGeometryKHR trianglesOf(const Device::State& device, const Buffer& positions, const Buffer& indices,

@@ -35,24 +35,8 @@ constexpr CompareMetric metrics[] = {
     {.name = "discarded_weight_max", .ofScenesOnly = true},
 };
 
-using Values = std::vector<std::pair<std::string_view, double>>;
-
-Values valuesOf(const PictureDifference& d) {
-    // Agreement about nothing must not pass for agreement.
-    const auto of = [&](double value) { return d.pixels > 0 ? value : std::numeric_limits<double>::quiet_NaN(); };
-    return {{"rmse", of(d.rmse)},
-            {"relmse", of(d.relmse)},
-            {"psnr", of(d.psnr)},
-            {"ssim", of(d.ssim)},
-            {"flip_mean", of(d.flipMean)},
-            {"flip_p99", of(d.flipP99)},
-            {"flip_max", of(d.flipMax)},
-            {"max", of(d.max)},
-            {"nan", static_cast<double>(d.nan)}};
-}
-
-Values valuesOf(const SceneComparison& scene) {
-    Values values = valuesOf(scene.pixels.outsideTies);
+MetricValues valuesOf(const SceneComparison& scene) {
+    MetricValues values = valuesOf(scene.pixels.outsideTies);
     for (size_t i = 0; i < hitClassNames.size(); ++i)
         values.emplace_back(hitClassNames[i], static_cast<double>(scene.all.counts[i]));
     const Spread& t = scene.all.tUlp;
@@ -67,7 +51,7 @@ Values valuesOf(const SceneComparison& scene) {
     return values;
 }
 
-std::vector<CheckedBound> check(std::span<const Bound> bounds, const Values& values) {
+std::vector<CheckedBound> check(std::span<const Bound> bounds, const MetricValues& values) {
     std::vector<CheckedBound> checked;
     for (const Bound& bound : bounds) {
         const auto value =
@@ -89,6 +73,19 @@ std::string limitText(const Bound& bound) {
 }
 
 }  // namespace
+
+MetricValues valuesOf(const PictureDifference& d) {
+    const auto of = [&](double value) { return d.pixels > 0 ? value : std::numeric_limits<double>::quiet_NaN(); };
+    return {{"rmse", of(d.rmse)},
+            {"relmse", of(d.relmse)},
+            {"psnr", of(d.psnr)},
+            {"ssim", of(d.ssim)},
+            {"flip_mean", of(d.flipMean)},
+            {"flip_p99", of(d.flipP99)},
+            {"flip_max", of(d.flipMax)},
+            {"max", of(d.max)},
+            {"nan", static_cast<double>(d.nan)}};
+}
 
 std::span<const CompareMetric> compareMetrics() {
     return metrics;

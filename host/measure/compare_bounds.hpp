@@ -47,6 +47,11 @@ struct CheckedBound {
     std::string failure() const;
 };
 
+using MetricValues = std::vector<std::pair<std::string_view, double>>;
+
+/// The metrics of pictures, by their names: NaN where no pixel was compared, as agreement about nothing is none.
+MetricValues valuesOf(const PictureDifference& pictures);
+
 /// In the order of `bounds`. Of no pixel, what is measured of pixels is NaN. Pictures: requires bounds that they have.
 std::vector<CheckedBound> checkBounds(std::span<const Bound> bounds, const PictureDifference& pictures);
 std::vector<CheckedBound> checkBounds(std::span<const Bound> bounds, const SceneComparison& scene);
