@@ -2,18 +2,19 @@
 //
 // Whoever includes this declares `frame` before it, and includes sampling.glsl and spawn.glsl.
 
-// The pixel (y * width + x) that comes `order`-th: strips of 8 rows, in blocks of 8 x 8, so that neighbours in time are
-// neighbours in the picture, whatever its size. Requires order < width * height.
+// The pixel (y * width + x in the whole picture) that comes `order`-th of the part that is rendered: strips of 8 rows, in
+// blocks of 8 x 8, so that neighbours in time are neighbours in the picture, whatever its size.
+// Requires order < partWidth * partHeight.
 uint pixelOf(uint order) {
-    uint strip = order / (8u * frame.width);
-    uint stripHeight = min(8u, frame.height - 8u * strip);
-    uint inStrip = order - strip * 8u * frame.width;
+    uint strip = order / (8u * frame.partWidth);
+    uint stripHeight = min(8u, frame.partHeight - 8u * strip);
+    uint inStrip = order - strip * 8u * frame.partWidth;
     uint block = inStrip / (8u * stripHeight);
-    uint blockWidth = min(8u, frame.width - 8u * block);
+    uint blockWidth = min(8u, frame.partWidth - 8u * block);
     uint inBlock = inStrip - block * 8u * stripHeight;
     uint x = 8u * block + inBlock % blockWidth;
     uint y = 8u * strip + inBlock / blockWidth;
-    return y * frame.width + x;
+    return (frame.top + y) * frame.width + frame.left + x;
 }
 
 // A ray that meets nothing, and is found to at once.

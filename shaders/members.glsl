@@ -19,6 +19,7 @@ void putAll(FrameParams s) {
     put(s.lightCount); put(s.emitterCount); put(s.shadowRays); put(s.materialsAt); put(s.lightsAt); put(s.emittersAt);
     put(s.trianglesAt); put(s.verticesAt); put(s.vertexStride); put(s.texturesAt); put(s.decodeAt);
     put(s.spheresAt); put(s.instancesAt); put(s.instanceCount);
+    put(s.left); put(s.top); put(s.partWidth); put(s.partHeight);
 }
 
 void putAll(TileStep s) { put(s.count); put(s.listAt); put(s.nextAt); put(s.compacts); put(s.firstPixel); }

@@ -83,8 +83,8 @@ TEST(PixelOrder, VisitsEachPixelOnce) {
     for (const uvec2 size :
          {uvec2(1, 1), uvec2(1, 17), uvec2(17, 1), uvec2(8, 8), uvec2(7, 9), uvec2(9, 7), uvec2(65, 33)}) {
         shared::FrameKernels kernels;
-        kernels.frame.width = size.x;
-        kernels.frame.height = size.y;
+        kernels.frame.width = kernels.frame.partWidth = size.x;
+        kernels.frame.height = kernels.frame.partHeight = size.y;
         std::vector<uint32_t> visits(size_t{size.x} * size.y);
         for (uint32_t i = 0; i < visits.size(); ++i) ++visits.at(kernels.pixelOf(i));
         EXPECT_EQ(std::ranges::count(visits, 1u), std::ssize(visits)) << size.x << " x " << size.y;

@@ -53,10 +53,13 @@ void addAovOptions(CLI::App& command, Options& options) {
         ->type_name("NAME");
 }
 
-std::string aovHelp() {
+std::string aovExamples() {
     return "  raig render scene.glb -o out.exr --aov depth,normal,primitive\n"
-           "  raig render scene.glb -o cost.png --view cost\n"
-           "Of the ray through a pixel's centre: depth along it, position, normal, uv, albedo, and the numbers of the\n"
+           "  raig render scene.glb -o cost.png --view cost\n";
+}
+
+std::string aovHelp() {
+    return "Of the ray through a pixel's centre: depth along it, position, normal, uv, albedo, and the numbers of the\n"
            "primitive, instance and material; where it meets nothing depth is inf, numbers are 0xffffffff, the rest 0.\n"
            "Of all of a pixel's rays: samples, level of the deepest, discarded weight, and cost: the nodes and primitives\n"
            "looked at, which takes some more time. Layers have channels depth.Z, position.X, ..., primitive.ID, cost.N.";

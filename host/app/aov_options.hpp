@@ -12,7 +12,8 @@ namespace raig {
 /// --aov and --view.
 void addAovOptions(CLI::App& command, Options& options);
 
-/// Examples of them and what they mean, for the end of the help.
+/// Examples of them, and what they mean, for the end of the help.
+std::string aovExamples();
 std::string aovHelp();
 
 /// The files beside the picture that AOVs are written to: none where the picture is an exr, whose layers they are then.

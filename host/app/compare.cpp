@@ -6,6 +6,7 @@
 #include "app/machine.hpp"
 #include "app/progress.hpp"
 #include "app/setup.hpp"
+#include "app/view_options.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/log.hpp"
@@ -99,15 +100,17 @@ reference::Picture renderReference(const reference::World& world, const FrameOpt
     options.height = frame.height;
     options.samples = frame.samples;
     options.camera = frame.camera;
+    options.crop = frame.crop;
     options.bounds = {frame.maxDepth, frame.minContribution, frame.seed};
     Progress progress("reference");
     return reference::render(world, options, [&](double done) {
-        progress.update(done, done * options.width * options.height * options.samples * (1 + options.roundings));
+        progress.update(done, done * double(frame.part().pixels()) * options.samples * (1 + options.roundings));
     });
 }
 
 /// What goes before all that was found.
 Json headOf(const Options& options, const Setup& setup, const FrameOptions& frame) {
+    const Crop part = frame.part();
     return {{"scene", options.inputs[0].string()},
             {"device", setup.deviceName()},
             {"structure", {{"name", setup.structure.name}, {"walk", setup.structure.walk}}},
@@ -115,6 +118,7 @@ Json headOf(const Options& options, const Setup& setup, const FrameOptions& fram
             {"spheres", setup.geometry.spheres.size()},
             {"width", frame.width},
             {"height", frame.height},
+            {"crop", {{"x", part.x}, {"y", part.y}, {"width", part.width}, {"height", part.height}}},
             {"samples", frame.samples},
             {"pixels_per_degree", options.pixelsPerDegree}};
 }
@@ -152,21 +156,9 @@ void compareRays(Setup& setup, const reference::Tree& tree, const FrameOptions& 
     found.bits = sumOfBits(found.families);
 }
 
-FrameOptions frameOf(const Options& options, const Scene& scene) {
-    FrameOptions frame;
-    frame.width = options.width;
-    frame.height = options.height;
-    frame.samples = options.samples ? options.samples : 1;
-    frame.maxDepth = options.maxDepth;
-    frame.minContribution = static_cast<float>(options.minContribution);
-    frame.seed = options.seed;
-    frame.camera = chooseCamera(scene, options.camera);
-    return frame;
-}
-
 int compareScene(const Options& options) {
     const std::unique_ptr<Setup> setup = prepare(options, options.inputs[0]);
-    const FrameOptions frame = frameOf(options, setup->scene);
+    const FrameOptions frame = frameOptions(options, setup->scene, /* defaultSamples= */ 1);
 
     SceneComparison found;
     Clock::time_point start = Clock::now();

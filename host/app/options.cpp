@@ -3,6 +3,7 @@
 #include "app/aov_options.hpp"
 #include "app/chart_options.hpp"
 #include "app/compare_options.hpp"
+#include "app/view_options.hpp"
 #include "app/written_files.hpp"
 #include "base/error.hpp"
 
@@ -178,8 +179,7 @@ void addPicture(CLI::App& app, Options& options, uint32_t side) {
     app.preparse_callback([&options, side](size_t) { options.width = options.height = side; });
     app.add_option_function<std::string>("--size", parseSize, fmt::format("of the picture (default: {0}x{0})", side))
         ->type_name("WxH");
-    app.add_option("--camera", options.camera, "a camera of the file, by name or index (default: the first)")
-        ->type_name("CAMERA");
+    addViewOptions(app, options);
     addWholeNumber(app, "--max-depth", options.maxDepth, 0, 64,
                    "levels of reflection and refraction, NIVELL_MAX (default: 8)");
     app.add_option_function<std::string>("--min-contribution", parseContribution,
@@ -211,8 +211,10 @@ void addRender(CLI::App& app, Options& options) {
     command.footer("Examples:\n"
                    "  raig render scene.glb -o out.png\n"
                    "  raig render scene.obj -o out.exr --size 1280x720 --spp 16 --device cpu\n"
-                   "  raig render glass.glb -o out.png --max-depth 20 --min-contribution 1/4096\n" +
-                   aovHelp());
+                   "  raig render glass.glb -o out.png --max-depth 20 --min-contribution 1/4096\n"
+                   "  raig render bunny.ply -o out.png --eye 1,2,3 --fov 30\n"
+                   "  raig render room.glb -o part.png --size 4096x4096 --crop 1024,2048,256,256\n" +
+                   aovExamples() + viewHelp + aovHelp());
 }
 
 void addTrace(CLI::App& app, Options& options) {
@@ -249,6 +251,7 @@ void addCompare(CLI::App& app, Options& options) {
     addCommon(command, options);
     command.footer("Examples:\n"
                    "  raig compare scene.glb\n"
+                   "  raig compare scene.glb --camera 1 --size 1024x1024 --crop 512,256,64,64\n"
                    "  raig compare a.png b.png -o difference.png --json\n"
                    "  raig compare out.exr reference.exr --fail-above flip_mean=0.01 --fail-below psnr=40\n"
                    "Files are taken as light: PNG is decoded from sRGB, alpha is left out. max, rmse and relmse are of\n"
@@ -434,6 +437,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
         throw explained(app, error, argc, argv);
     }
     checkNoneIsEmpty(app);
+    checkViewOptions(options);
     checkWrittenFiles(options);
     return options;
 }

@@ -4,6 +4,7 @@
 #include "app/aov.hpp"
 #include "measure/compare_bounds.hpp"
 #include "rays/types.hpp"
+#include "scene/view.hpp"
 #include "structures/structure.hpp"
 
 #include <cstdint>
@@ -44,6 +45,8 @@ struct Options {
     uint32_t width = 512;                  ///< compare: 256 where --size is not given, as the reference takes its time
     uint32_t height = 512;
     std::string camera;                    ///< a name or an index in the file; empty: the first
+    ViewChange viewChange;                 ///< of that camera
+    std::optional<Crop> crop;              ///< only this part of the picture; it lies in it
     uint32_t maxDepth = 8;                 ///< NIVELL_MAX: levels of reflection and refraction below the primary ray
     double minContribution = 1.0 / 512.0;  ///< MIN_CONTRIB: no ray that contributes less is traced
     uint32_t samples = 0;                  ///< a pixel; 0: the command's own default

@@ -4,6 +4,7 @@
 #include "app/commands.hpp"
 #include "app/progress.hpp"
 #include "app/setup.hpp"
+#include "app/view_options.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/log.hpp"
@@ -42,15 +43,8 @@ bool isWanted(const Options& options, Aov aov) {
     return options.view == aov || std::ranges::find(options.aovs, aov) != options.aovs.end();
 }
 
-FrameOptions frameOptions(const Options& options, const Scene& scene) {
-    FrameOptions frame;
-    frame.width = options.width;
-    frame.height = options.height;
-    frame.samples = options.samples ? options.samples : defaultSamples;
-    frame.maxDepth = options.maxDepth;
-    frame.minContribution = static_cast<float>(options.minContribution);
-    frame.seed = options.seed;
-    frame.camera = chooseCamera(scene, options.camera);
+FrameOptions frameOptionsOf(const Options& options, Scene& scene) {
+    FrameOptions frame = frameOptions(options, scene, defaultSamples);
     frame.keepsLevels = isWanted(options, Aov::level);
     frame.countsCosts = isWanted(options, Aov::cost);
     return frame;
@@ -109,23 +103,27 @@ Notes notesOf(const Options& options, const FrameOptions& frame, const Setup& se
                    {"Samples", fmt::format("{} a pixel, seed {}", frame.samples, frame.seed)},
                    {"Structure", setup.structure.name}};
     if (options.view) notes.emplace_back("Shows", typeOf(*options.view).name);
+    if (const std::optional<Crop>& c = frame.crop)
+        notes.emplace_back("Part", fmt::format("{} x {} pixels from ({}, {}) on of {} x {}", c->width, c->height, c->x, c->y,
+                                               frame.width, frame.height));
     return notes;
 }
 
-void describe(const Picture& picture, const Discarded& discarded) {
+void describe(const Picture& picture, const Crop& part, const Discarded& discarded) {
     const FrameStatistics& s = picture.statistics;
     log::note(
         "picture: {} x {} in {:.3f} s ({:.3f} s of it to set up): {:.2f} Mrays, {:.2f} Mrays/s while tracing, depth {}",
         picture.width, picture.height, s.seconds, s.setupSeconds, raysTraced(s) * 1e-6,
         raysTraced(s) * 1e-6 / std::max(s.traceSeconds, 1e-9), s.deepest);
     log::note("discarded weight: {:.2e} on average, {:.2e} at worst, in pixel ({}, {})", discarded.mean, discarded.worst,
-              discarded.worstPixel % picture.width, discarded.worstPixel / picture.width);
+              part.x + discarded.worstPixel % part.width, part.y + discarded.worstPixel / part.width);
 }
 
 nlohmann::ordered_json toJson(const Setup& setup, const FrameOptions& frame, const Picture& picture,
                               const Discarded& discarded) {
     const FrameStatistics& s = picture.statistics;
     const StructureStatistics& built = setup.structure.statistics;
+    const Crop part = frame.part();
     return {{"device", setup.deviceName()},
             {"triangles", setup.geometry.triangleCount()},
             {"spheres", setup.geometry.spheres.size()},
@@ -145,6 +143,7 @@ nlohmann::ordered_json toJson(const Setup& setup, const FrameOptions& frame, con
               {"bytes_per_triangle", setup.bytesPerTriangle()}}},
             {"width", frame.width},
             {"height", frame.height},
+            {"crop", {{"x", part.x}, {"y", part.y}, {"width", part.width}, {"height", part.height}}},
             {"samples", frame.samples},
             {"max_depth", frame.maxDepth},
             {"min_contribution", frame.minContribution},
@@ -176,18 +175,19 @@ void addAovs(const Options& options, const AovView& view, nlohmann::ordered_json
 
 int render(const Options& options) {
     const std::unique_ptr<Setup> setup = prepare(options, options.inputs.front());
-    const FrameOptions frame = frameOptions(options, setup->scene);
+    const FrameOptions frame = frameOptionsOf(options, setup->scene);
     Picture picture;
     PrimaryHits hits;
     if (needsPicture(options)) picture = makePicture(*setup, frame);
     if (needsHits(options)) hits = makeHits(*setup, frame);
-    const AovSources sources{frame.width, frame.height, frame.samples, picture, hits};
+    const Crop part = frame.part();
+    const AovSources sources{part.width, part.height, frame.samples, picture, hits};
     const AovView view = options.view ? viewOf(*options.view, sources) : AovView{imageOf(picture), std::nullopt};
     const uint64_t nonFinite = writeAll(options, view.image, sources, notesOf(options, frame, *setup));
     if (nonFinite > 0) log::warn("{}: {} pixels are not finite", options.output.string(), nonFinite);
 
     const Discarded discarded = measureDiscarded(picture);
-    if (needsPicture(options)) describe(picture, discarded);
+    if (needsPicture(options)) describe(picture, part, discarded);
     if (view.range)
         log::note("view: {} from {:.6g} to {:.6g}", typeOf(*options.view).name, view.range->first, view.range->second);
     if (options.json) {

@@ -106,12 +106,14 @@ TileRun runTile(FrameTiles& tiles, const FrameParams& params, uint32_t firstPixe
     return tile;
 }
 
-void take(const PixelResult& result, Picture& picture) {
-    picture.radiance[result.pixel] = result.radiance;
-    picture.discarded[result.pixel] = result.discarded;
+/// Puts a pixel where it belongs in the part that is rendered.
+void take(const PixelResult& result, const FrameParams& params, Picture& picture) {
+    const size_t at = placeInPart(result.pixel, params);
+    picture.radiance[at] = result.radiance;
+    picture.discarded[at] = result.discarded;
     picture.statistics.shadowRays += result.shadowRays;
     picture.statistics.deepest = std::max(picture.statistics.deepest, result.deepest);
-    if (!picture.levels.empty()) picture.levels[result.pixel] = result.deepest;
+    if (!picture.levels.empty()) picture.levels[at] = result.deepest;
 }
 
 }  // namespace
@@ -133,7 +135,7 @@ uint32_t chooseSlots(uint32_t wanted, uint64_t mostSlots, const FrameData& data)
         throw limitError(
             "a pixel's rays need {} bytes, more than a tile may hold; lower --max-depth or the number of lights",
             slotBytes(data).all);
-    const uint64_t pixels = uint64_t{data.params.width} * data.params.height;
+    const uint64_t pixels = uint64_t{data.params.partWidth} * data.params.partHeight;
     return static_cast<uint32_t>(std::min({wanted ? uint64_t{wanted} : mostSlots, mostSlots, pixels}));
 }
 
@@ -141,9 +143,15 @@ void checkOptions(const Scene& scene, const FrameOptions& options) {
     RAIG_CHECK(options.width > 0 && options.height > 0);
     RAIG_CHECK(options.samples > 0 && options.samples <= 65536);
     RAIG_CHECK_OP(options.camera, <, scene.cameras.size());
-    if (uint64_t{options.width} * options.height > uint64_t{1} << 31)
-        throw limitError("a picture of {} x {} pixels is too large; at most 2^31 pixels can be rendered", options.width,
+    const Crop part = options.part();
+    RAIG_CHECK(part.liesIn(options.width, options.height));
+    if (uint64_t{options.width} * options.height > uint64_t{1} << 32)
+        throw limitError("a picture of {} x {} pixels is too large; one has at most 2^32 pixels", options.width,
                          options.height);
+    if (part.pixels() > uint64_t{1} << 31)
+        throw limitError("a picture of {} x {} pixels is too large; at most 2^31 pixels can be rendered at once: render it "
+                         "in parts, by --crop",
+                         part.width, part.height);
     checkLights(scene);
     if (options.maxDepth > 1u << 20)
         throw limitError("a depth of {} is too large; at most 2^20 is possible", options.maxDepth);
@@ -157,9 +165,10 @@ void checkLights(const Scene& scene) {
 
 void renderTiles(FrameTiles& tiles, const FrameData& data, const FrameOptions& options, const FrameProgress& progress,
                  Picture& picture) {
-    const uint32_t pixels = options.width * options.height;
-    picture.width = options.width;
-    picture.height = options.height;
+    const Crop part = options.part();
+    const auto pixels = static_cast<uint32_t>(part.pixels());
+    picture.width = part.width;
+    picture.height = part.height;
     picture.radiance.resize(pixels);
     picture.discarded.resize(pixels);
     if (options.keepsLevels) picture.levels.resize(pixels);
@@ -181,8 +190,9 @@ void renderTiles(FrameTiles& tiles, const FrameData& data, const FrameOptions& o
         picture.statistics.closestRays += tile.closestRays;
         results.resize(count);
         tiles.read(results);
-        for (const PixelResult& result : results) take(result, picture);
-        for (uint32_t slot = 0; costs && slot < count; ++slot) picture.costs[results[slot].pixel] = costs->ofSlot[slot];
+        for (const PixelResult& result : results) take(result, data.params, picture);
+        for (uint32_t slot = 0; costs && slot < count; ++slot)
+            picture.costs[placeInPart(results[slot].pixel, data.params)] = costs->ofSlot[slot];
         picture.statistics.traceSeconds += tile.traceSeconds;
         ++picture.statistics.tiles;
         first += count;
@@ -193,9 +203,13 @@ std::vector<Ray> cameraRays(const Scene& scene, const FrameOptions& options, uin
     checkOptions(scene, options);
     FrameKernels kernels;
     setView(scene, options, kernels.frame);
-    std::vector<Ray> rays(size_t{options.width} * options.height);
-    parallelFor(rays.size(), 4096, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i) rays[i] = kernels.cameraRay(static_cast<uint32_t>(i), sampleIndex);
+    const Crop part = options.part();
+    std::vector<Ray> rays(part.pixels());
+    parallelFor(part.height, 16, [&](size_t begin, size_t end) {
+        for (size_t i = begin * part.width; i < end * part.width; ++i) {
+            const auto x = static_cast<uint32_t>(i % part.width), y = static_cast<uint32_t>(i / part.width);
+            rays[i] = kernels.cameraRay((part.y + y) * options.width + part.x + x, sampleIndex);
+        }
     });
     return rays;
 }

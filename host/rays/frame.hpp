@@ -12,9 +12,11 @@
 
 #include "rays/tracer.hpp"
 #include "scene/geometry.hpp"
+#include "scene/view.hpp"
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace raig {
@@ -30,6 +32,10 @@ struct FrameOptions {
     uint32_t tilePixels = 0;                  ///< pixels at work at once; 0: by memory and measured time
     bool keepsLevels = false;                 ///< Picture::levels is wanted
     bool countsCosts = false;                 ///< Picture::costs is wanted: rays are traced by slower kernels, that count
+    std::optional<Crop> crop{};               ///< only this part of the picture, whose pixels have the bits of the whole's
+
+    /// What is rendered.
+    Crop part() const { return crop.value_or(Crop{0, 0, width, height}); }
 };
 
 struct FrameStatistics {
@@ -42,6 +48,7 @@ struct FrameStatistics {
     double setupSeconds = 0.0;  ///< of which in data and kernels
 };
 
+/// What was rendered: of a part of a picture, that part.
 struct Picture {
     uint32_t width = 0;
     uint32_t height = 0;
@@ -60,10 +67,11 @@ using FrameProgress = std::function<void(double fractionDone, double raysDone)>;
 ///
 /// Requires  geometry == flatten(scene), or gatherInstances(scene), which gives the same picture; `tracer` of its triangles,
 ///           one level or two, with those that let light through marked so (markSeeThrough in rays/lights.hpp);
-///           options.camera < scene.cameras.size(); sizes and samples > 0, samples <= 65536.
+///           options.camera < scene.cameras.size(); sizes and samples > 0, samples <= 65536; a crop lies in the picture.
 /// Ensures   no pixel's radiance is NaN or infinite unless the scene's numbers overflow.
-/// Cost      samples * width * height * (1 + lights) rays for diffuse scenes; memory: the picture and tiles of some 64 MB.
-///           Throws limitError if the picture has more than 2^31 pixels or a pixel's rays do not fit the memory of a tile.
+/// Cost      samples * pixels * (1 + lights) rays for diffuse scenes; memory: what is rendered and tiles of some 64 MB.
+///           Throws limitError if more than 2^31 pixels are to be rendered, or the whole picture has more than 2^32, or a
+///           pixel's rays do not fit the memory of a tile.
 Picture renderPicture(const Scene& scene, const Geometry& geometry, Tracer& tracer, const FrameOptions& options,
                       const FrameProgress& progress = {});
 
@@ -91,7 +99,7 @@ private:
 Picture renderPicture(Device& device, const Scene& scene, const Geometry& geometry, DeviceTracer& tracer,
                       const FrameOptions& options, const FrameProgress& progress = {});
 
-/// The camera rays of sample `sampleIndex` of every pixel, row by row, as renderPicture traces them.
+/// The camera rays of sample `sampleIndex` of every pixel that is rendered, row by row, as renderPicture traces them.
 std::vector<Ray> cameraRays(const Scene& scene, const FrameOptions& options, uint32_t sampleIndex = 0);
 
 }  // namespace raig

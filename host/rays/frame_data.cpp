@@ -200,6 +200,11 @@ void setView(const Scene& scene, const FrameOptions& options, FrameParams& param
     params.orthographic = camera.orthographic ? 1 : 0;
     params.width = options.width;
     params.height = options.height;
+    const Crop part = options.part();
+    params.left = part.x;
+    params.top = part.y;
+    params.partWidth = part.width;
+    params.partHeight = part.height;
     params.samples = options.samples;
     params.seed = options.seed;
     params.maxDepth = options.maxDepth;

@@ -23,4 +23,10 @@ FrameData packFrame(const Scene& scene, const Geometry& geometry, bool keepsUvs 
 /// Fills in sky, camera and picture: enough for camera rays.
 void setView(const Scene& scene, const FrameOptions& options, shared::FrameParams& params);
 
+/// Where a pixel of the whole picture is in the part that is rendered, which it lies in, row by row.
+inline size_t placeInPart(uint32_t pixel, const shared::FrameParams& params) {
+    const uint32_t x = pixel % params.width - params.left, y = pixel / params.width - params.top;
+    return size_t{y} * params.partWidth + x;
+}
+
 }  // namespace raig

@@ -13,15 +13,16 @@ PrimaryTiles::PrimaryTiles(const Scene& scene, const Geometry& g, const FrameOpt
     FrameOptions centre = options;
     centre.samples = 1;
     setView(scene, centre, data.params);
-    hits.width = options.width;
-    hits.height = options.height;
-    hits.pixels.resize(size_t{options.width} * options.height);
+    const Crop part = options.part();
+    hits.width = part.width;
+    hits.height = part.height;
+    hits.pixels.resize(part.pixels());
     data.params.slots = static_cast<uint32_t>(std::min<size_t>(hits.pixels.size(), 65536));
 }
 
 void PrimaryTiles::take(std::span<const PrimaryHit> tile) {
     for (const PrimaryHit& found : tile) {
-        PrimaryHit& pixel = hits.pixels[found.pixel];
+        PrimaryHit& pixel = hits.pixels[placeInPart(found.pixel, data.params)];
         pixel = found;
         if (found.primitive == NO_HIT) continue;
         const Geometry::Place place = geometry.place(found.primitive);

@@ -65,14 +65,17 @@ Ray cameraRay(const Camera& camera, const PictureOptions& options, uint32_t px, 
 Picture render(const World& world, const PictureOptions& options, const std::function<void(double)>& progress) {
     RAIG_CHECK_OP(options.camera, <, world.scene.cameras.size());
     RAIG_CHECK(options.width > 0 && options.height > 0 && options.samples > 0 && options.samples <= 65536);
-    const size_t count = size_t{options.width} * options.height;
-    Picture picture{options.width, options.height, std::vector<dvec3>(count), std::vector<double>(count),
+    const Crop part = options.crop.value_or(Crop{0, 0, options.width, options.height});
+    RAIG_CHECK(part.liesIn(options.width, options.height));
+    const size_t count = part.pixels();
+    Picture picture{part.width, part.height, std::vector<dvec3>(count), std::vector<double>(count),
                     std::vector<double>(count), std::vector<double>(count), std::vector<double>(count)};
     std::mutex mutex;
     size_t done = 0;
     parallelFor(count, 64, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
-            const auto px = static_cast<uint32_t>(i % options.width), py = static_cast<uint32_t>(i / options.width);
+            const auto px = part.x + static_cast<uint32_t>(i % part.width);
+            const auto py = part.y + static_cast<uint32_t>(i / part.width);
             const Radiance nominal = shadePixel(world, options, px, py, std::nullopt);
             picture.radiance[i] = nominal.value;
             picture.discarded[i] = nominal.discarded;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include "reference/whitted.hpp"
+#include "scene/view.hpp"
 
 #include <functional>
+#include <optional>
 
 namespace raig::reference {
 
@@ -13,10 +15,11 @@ struct PictureOptions {
     uint32_t samples = 1;  ///< a pixel, at most 65536
     uint32_t camera = 0;   ///< an index into Scene::cameras
     Bounds bounds;
+    std::optional<Crop> crop{};  ///< only this part of it
     uint32_t roundings = 4;  ///< how often each pixel is shaded again with its rays rounded (see rounding.hpp)
 };
 
-/// Pixels row by row from the top, linear RGB.
+/// Pixels row by row from the top, linear RGB; of a part of a picture, that part.
 struct Picture {
     uint32_t width = 0;
     uint32_t height = 0;
@@ -34,10 +37,10 @@ Ray cameraRay(const Camera& camera, const PictureOptions& options, uint32_t px, 
 
 /// Renders by traceRay, over all cores; the same bits whatever their number.
 ///
-/// Requires  options.camera < scene.cameras.size(), a size of at least 1 x 1.
+/// Requires  options.camera < scene.cameras.size(), a size of at least 1 x 1, a crop that lies in it.
 /// Ensures   a pixel is the mean of its samples. `progress`, if given, is told the share done from 0 to 1, from any thread
 ///           but never from two at once.
-/// Cost      (1 + roundings) * width * height * samples recursions.
+/// Cost      (1 + roundings) * pixels * samples recursions.
 Picture render(const World& world, const PictureOptions& options, const std::function<void(double)>& progress = {});
 
 }  // namespace raig::reference

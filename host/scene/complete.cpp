@@ -226,6 +226,7 @@ Camera threeQuarterView(const std::vector<vec3>& points, const Box& framed) {
     camera.right = vec3(view.right);
     camera.up = vec3(view.up);
     camera.yfov = static_cast<float>(ThreeQuarters::yfov);
+    camera.target = vec3(view.centre);
     return camera;
 }
 

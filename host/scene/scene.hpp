@@ -95,6 +95,7 @@ struct Camera {
     float yfov = 0.785398f;           ///< full vertical angle (perspective)
     float xmag = 1.0f, ymag = 1.0f;   ///< half width and height (orthographic)
     float aspect = 0.0f;              ///< width / height the file asks for; 0: that of the picture
+    std::optional<vec3> target;       ///< a point that it looks at, where one is known: files name none
 };
 
 /// Light from where nothing is: horizon to zenith (world +Y) by height, and below the horizon `ground` to horizon.

@@ -39,6 +39,10 @@ struct FrameParams {
     uint spheresAt;
     uint instancesAt;        // if there are instances
     uint instanceCount;
+    uint left;               // of the part of the picture that is rendered: in pixels, from the picture's left ...
+    uint top;                // ... and from its top
+    uint partWidth;
+    uint partHeight;
 };
 
 // One dispatch over a list of slots.

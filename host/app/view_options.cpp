@@ -1,0 +1,110 @@
+#include "app/view_options.hpp"
+
+#include "app/setup.hpp"
+#include "base/error.hpp"
+#include "base/triangle.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <array>
+#include <charconv>
+#include <numbers>
+
+namespace raig {
+
+namespace {
+
+/// The numbers of "1,2.5,-3"; nothing unless there are N of them.
+template <class Number, size_t N>
+std::optional<std::array<Number, N>> numbersOf(std::string_view text) {
+    std::array<Number, N> values{};
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    for (size_t i = 0; i < N; ++i) {
+        const auto [next, fault] = std::from_chars(at, end, values[i]);
+        if (fault != std::errc{} || (i + 1 < N ? next == end || *next != ',' : next != end)) return std::nullopt;
+        at = next + 1;
+    }
+    return values;
+}
+
+void addVector(CLI::App& command, const std::string& name, std::optional<vec3>& value, const std::string& description) {
+    const auto parse = [&value, name](const std::string& text) {
+        const auto numbers = numbersOf<double, 3>(text);
+        const vec3 v = numbers ? vec3((*numbers)[0], (*numbers)[1], (*numbers)[2]) : vec3(0.0f);
+        if (!numbers || !isInRange(v))
+            throw usageError("{} {}: X,Y,Z is wanted, three numbers from -1.8e18 to 1.8e18", name, text);
+        value = v;
+    };
+    command.add_option_function<std::string>(name, parse, description)->type_name("X,Y,Z");
+}
+
+void addFov(CLI::App& command, Options& options) {
+    const auto parse = [&options](const std::string& text) {
+        const auto degrees = numbersOf<double, 1>(text);
+        const auto angle = static_cast<float>(degrees ? (*degrees)[0] * std::numbers::pi / 180.0 : 0.0);
+        // The float nearest to pi is more than pi.
+        if (!(angle > 0.0f && angle < static_cast<float>(std::numbers::pi)))
+            throw usageError("--fov {}: degrees between 0 and 180 are wanted", text);
+        options.viewChange.yfov = angle;
+    };
+    command.add_option_function<std::string>("--fov", parse, "angle that the camera sees, from bottom to top")
+        ->type_name("DEGREES");
+}
+
+void addCrop(CLI::App& command, Options& options) {
+    const auto parse = [&options](const std::string& text) {
+        const auto numbers = numbersOf<uint32_t, 4>(text);
+        if (!numbers || (*numbers)[2] == 0 || (*numbers)[3] == 0)
+            throw usageError("--crop {}: X,Y,WIDTH,HEIGHT is wanted: whole numbers, a width and height of at least 1", text);
+        options.crop = Crop{(*numbers)[0], (*numbers)[1], (*numbers)[2], (*numbers)[3]};
+    };
+    command
+        .add_option_function<std::string>("--crop", parse,
+                                          "only this part of the picture, in pixels from its top left; they are the whole's")
+        ->type_name("X,Y,W,H");
+}
+
+}  // namespace
+
+const char* const viewHelp =
+    "--eye, --at, --up and --fov change the camera that --camera names, each only what it says. With --eye alone, a\n"
+    "camera of the file keeps its direction, and raig's own view the point in its middle. A camera that is turned has\n"
+    "+Y up, unless --up is given; --up alone tilts it.\n";
+
+void addViewOptions(CLI::App& command, Options& options) {
+    command.add_option("--camera", options.camera, "a camera of the file, by name or index (default: the first)")
+        ->type_name("CAMERA");
+    addVector(command, "--eye", options.viewChange.eye, "where the camera stands");
+    addVector(command, "--at", options.viewChange.at, "the point that it looks at");
+    addVector(command, "--up", options.viewChange.up, "the direction that is up in the picture (default: 0,1,0 if it is turned)");
+    addFov(command, options);
+    addCrop(command, options);
+}
+
+void checkViewOptions(const Options& options) {
+    if (options.crop && !options.crop->liesIn(options.width, options.height))
+        throw usageError("--crop {},{},{},{}: is not in the picture, which has {} x {} pixels", options.crop->x,
+                         options.crop->y, options.crop->width, options.crop->height, options.width, options.height);
+    // With these two given, no direction of the scene's camera matters.
+    if (options.viewChange.eye && options.viewChange.at)
+        changedView(Camera{}, {options.viewChange.eye, options.viewChange.at, options.viewChange.up, std::nullopt});
+}
+
+FrameOptions frameOptions(const Options& options, Scene& scene, uint32_t defaultSamples) {
+    FrameOptions frame;
+    frame.width = options.width;
+    frame.height = options.height;
+    frame.crop = options.crop;
+    frame.samples = options.samples ? options.samples : defaultSamples;
+    frame.maxDepth = options.maxDepth;
+    frame.minContribution = static_cast<float>(options.minContribution);
+    frame.seed = options.seed;
+    frame.camera = chooseCamera(scene, options.camera);
+    Camera& camera = scene.cameras[frame.camera];
+    camera = changedView(camera, options.viewChange);
+    turnHeadlights(scene, camera);
+    return frame;
+}
+
+}  // namespace raig
