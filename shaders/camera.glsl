@@ -1,6 +1,6 @@
 // The camera: which pixel comes when, and the ray through it.
 //
-// Whoever includes this declares `frame` before it, and includes sampling.glsl and spawn.glsl.
+// Whoever includes this declares `frame` and FEATURES before it, and includes sampling.glsl and spawn.glsl.
 
 // The pixel (y * width + x in the whole picture) that comes `order`-th of the part that is rendered: strips of 8 rows, in
 // blocks of 8 x 8, so that neighbours in time are neighbours in the picture, whatever its size.
@@ -20,6 +20,36 @@ uint pixelOf(uint order) {
 // A ray that meets nothing, and is found to at once.
 Ray noRay() { return Ray(vec3(0.0f), 1.0f, vec3(0.0f), 0.0f); }
 
+// The unit disk's point for one of the unit square: squares around the middle become circles, and equal areas equal areas
+// [Shirley and Chiu 1997, "A Low Distortion Map Between Disk and Square"]. Sine and cosine, of at most an eighth of a turn,
+// are the first terms of their series, less than 2^-25 off, as devices' own differ.
+vec2 diskOf(vec2 square) {
+    precise float a = 2.0f * square.x - 1.0f;
+    precise float b = 2.0f * square.y - 1.0f;
+    bool wide = abs(a) > abs(b);
+    float radius = wide ? a : b;
+    precise float turn = (wide ? b : a) / (radius == 0.0f ? 1.0f : radius);  // in eighths, from the axis of `radius`
+    precise float s = turn * turn;
+    precise float sine =
+        turn * (0.785398163f + s * (-0.0807455122f + s * (0.00249039457f + s * (-3.65762042e-5f + s * 3.13361689e-7f))));
+    precise float cosine = s * (0.0158543442f + s * (-3.25991887e-4f + s * (3.59086045e-6f + s * -2.46113695e-8f)));
+    cosine = 1.0f + s * (-0.308425138f + cosine);
+    precise float along = radius * cosine;
+    precise float across = radius * sine;
+    return wide ? vec2(along, across) : vec2(across, along);
+}
+
+// Bends the pinhole's ray, from `origin` along `towards` (whose part along the camera's axis is 1): it starts at a point of
+// the lens and meets the pinhole's where that is in focus. Dimension 3 is the lens's; emitters have those that are 1 or 2
+// modulo 3. Source: Cook, Porter and Carpenter 1984, "Distributed Ray Tracing".
+Ray throughLens(vec3 origin, vec3 towards, uint pixel, uint sampleIndex) {
+    vec2 place = diskOf(sampleSquare(pixel, sampleIndex, 3u, frame.seed));
+    precise vec3 aside = place.x * frame.right + place.y * frame.up;
+    precise vec3 start = origin + frame.lensRadius * aside;
+    precise vec3 direction = towards - frame.lensSlope * aside;
+    return Ray(start, 0.0f, unit(direction), FAR_AWAY);
+}
+
 // The ray of sample `sampleIndex` of `pixel`: through the pixel's centre if there is one sample, else through a point of the
 // pixel stratified over its samples. Row 0 is at the top. The direction is unit length.
 Ray cameraRay(uint pixel, uint sampleIndex) {
@@ -31,6 +61,10 @@ Ray cameraRay(uint pixel, uint sampleIndex) {
     precise vec3 up = y * frame.halfHeight * frame.up;
     precise vec3 shifted = frame.eye + right + up;
     precise vec3 tilted = frame.forward + right + up;
+    if ((FEATURES & FEATURE_LENS) != 0u) {
+        bool parallel = frame.orthographic != 0u;
+        return throughLens(parallel ? shifted : frame.eye, parallel ? frame.forward : tilted, pixel, sampleIndex);
+    }
     if (frame.orthographic != 0u) return Ray(shifted, 0.0f, frame.forward, FAR_AWAY);
     return Ray(frame.eye, 0.0f, unit(tilted), FAR_AWAY);
 }

@@ -20,6 +20,7 @@ void putAll(FrameParams s) {
     put(s.trianglesAt); put(s.verticesAt); put(s.vertexStride); put(s.texturesAt); put(s.decodeAt);
     put(s.spheresAt); put(s.instancesAt); put(s.instanceCount);
     put(s.left); put(s.top); put(s.partWidth); put(s.partHeight);
+    put(s.lensRadius); put(s.lensSlope); put(s.unused0); put(s.unused1);
 }
 
 void putAll(TileStep s) { put(s.count); put(s.listAt); put(s.nextAt); put(s.compacts); put(s.firstPixel); }

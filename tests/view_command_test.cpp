@@ -73,13 +73,37 @@ TEST_F(ViewCommand, APartHasTheBitsOfTheWhole) {
 
 TEST_F(ViewCommand, CompareTakesViewsAndParts) {
     const ProgramResult result =
-        runProgram(RAIG_PROGRAM, {"compare", box, "--size", "64x64", "--crop", "20,10,24,30", "--eye", "300,200,-700", "--at",
-                                  "278,273,0", "--fov", "50", "--device", "cpu", "--quiet", "--json"});
+        runProgram(RAIG_PROGRAM, {"compare", box, "--size", "64x64", "--crop", "20,10,24,30", "--eye", "300,200,-700",
+                                  "--at", "278,273,0", "--fov", "50", "--device", "cpu", "--quiet", "--json"});
     ASSERT_EQ(result.exitCode, 0) << result.errors;
     const auto json = nlohmann::json::parse(result.output);
     EXPECT_EQ(json["crop"], (nlohmann::json{{"x", 20}, {"y", 10}, {"width", 24}, {"height", 30}}));
     EXPECT_EQ(json["pixels"]["compared"], 24 * 30);
     EXPECT_EQ(json["families"]["camera"]["rays"], 24 * 30);
+}
+
+TEST_F(ViewCommand, TheReferenceHasTheSameLens) {
+    const std::string spheres = RAIG_SOURCE_DIR "/assets/cornell_spheres.gltf";
+    const ProgramResult result =
+        runProgram(RAIG_PROGRAM, {"compare", spheres, "--size", "48x48", "--spp", "8", "--aperture", "60", "--focus", "950",
+                                  "--quiet", "--json", "--fail-above", "rmse=3e-6", "--fail-above", "max=3e-4"});
+    EXPECT_EQ(result.exitCode, 0) << result.errors << result.output;
+    EXPECT_EQ(nlohmann::json::parse(result.output)["hits"]["wrong"], 0);
+}
+
+TEST_F(ViewCommand, FocusIsOnWhatTheCameraLooksAtUnlessGiven) {
+    const Image sharp = picture(box, {}), given = picture(box, {"--aperture", "50", "--focus", "1080"});
+    EXPECT_NE(given.pixels, sharp.pixels);
+    EXPECT_EQ(picture(box, {"--aperture", "50", "--at", "278,273,280"}).pixels, given.pixels);
+    EXPECT_EQ(picture(box, {"--aperture", "0"}).pixels, sharp.pixels);
+    expectRefused(box, {"--aperture", "50"}, "looks at no point in particular");
+    expectRefused(box, {"--focus", "50"}, "--aperture");
+    expectRefused(box, {"--aperture", "50", "--focus", "1e-9"}, "a million times");
+    for (const char* value : {"-1", "nan", "inf", "2e18", "wide"})
+        expectRefused(box, {std::string("--aperture=") + value}, "the lens's diameter");
+    for (const char* value : {"0", "-1", "nan", "near"})
+        expectRefused(box, {"--aperture", "1", std::string("--focus=") + value}, "a distance above 0");
+    EXPECT_EQ(picture(box, {"--aperture", "1", "--focus", "inf"}).width, 40u);
 }
 
 TEST_F(ViewCommand, WhatCannotBeSeenIsRefusedInOneLine) {

@@ -150,7 +150,8 @@ FrameOptions whole(uint32_t samples = 2) {
     return options;
 }
 
-const std::vector<Crop> parts = {{0, 0, 53, 41}, {0, 0, 1, 1}, {52, 40, 1, 1}, {7, 0, 3, 41}, {0, 9, 53, 2}, {13, 11, 27, 19}};
+const std::vector<Crop> parts = {{0, 0, 53, 41}, {0, 0, 1, 1},  {52, 40, 1, 1},
+                                 {7, 0, 3, 41},  {0, 9, 53, 2}, {13, 11, 27, 19}};
 
 /// Pixels of the part that differ from the whole's in any bit.
 size_t countDifferent(const Picture& part, const Picture& all, const Crop& crop) {
@@ -193,7 +194,8 @@ TEST_P(PartOfAPictureOnDevice, HasTheBitsOfTheWholeWhateverTheTiles) {
         for (const uint32_t tile : {0u, 100u}) {
             options.crop = crop;
             options.tilePixels = tile;
-            EXPECT_EQ(countDifferent(frame.render(options), all, crop), 0u) << crop.x << ' ' << crop.y << ", tiles of " << tile;
+            EXPECT_EQ(countDifferent(frame.render(options), all, crop), 0u)
+                << crop.x << ' ' << crop.y << ", tiles of " << tile;
         }
 }
 

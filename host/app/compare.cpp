@@ -101,6 +101,8 @@ reference::Picture renderReference(const reference::World& world, const FrameOpt
     options.samples = frame.samples;
     options.camera = frame.camera;
     options.crop = frame.crop;
+    options.aperture = frame.aperture;
+    options.focus = frame.focus;
     options.bounds = {frame.maxDepth, frame.minContribution, frame.seed};
     Progress progress("reference");
     return reference::render(world, options, [&](double done) {

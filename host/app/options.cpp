@@ -213,7 +213,8 @@ void addRender(CLI::App& app, Options& options) {
                    "  raig render scene.obj -o out.exr --size 1280x720 --spp 16 --device cpu\n"
                    "  raig render glass.glb -o out.png --max-depth 20 --min-contribution 1/4096\n"
                    "  raig render bunny.ply -o out.png --eye 1,2,3 --fov 30\n"
-                   "  raig render room.glb -o part.png --size 4096x4096 --crop 1024,2048,256,256\n" +
+                   "  raig render room.glb -o part.png --size 4096x4096 --crop 1024,2048,256,256\n"
+                   "  raig render room.glb -o sharp.png --aperture 0.05 --focus 2.5 --spp 64\n" +
                    aovExamples() + viewHelp + aovHelp());
 }
 

@@ -47,6 +47,8 @@ struct Options {
     std::string camera;                    ///< a name or an index in the file; empty: the first
     ViewChange viewChange;                 ///< of that camera
     std::optional<Crop> crop;              ///< only this part of the picture; it lies in it
+    float aperture = 0.0f;                 ///< of the lens, in scene units
+    std::optional<float> focus;            ///< distance in scene units; given only with an aperture
     uint32_t maxDepth = 8;                 ///< NIVELL_MAX: levels of reflection and refraction below the primary ray
     double minContribution = 1.0 / 512.0;  ///< MIN_CONTRIB: no ray that contributes less is traced
     uint32_t samples = 0;                  ///< a pixel; 0: the command's own default

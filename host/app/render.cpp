@@ -103,6 +103,8 @@ Notes notesOf(const Options& options, const FrameOptions& frame, const Setup& se
                    {"Samples", fmt::format("{} a pixel, seed {}", frame.samples, frame.seed)},
                    {"Structure", setup.structure.name}};
     if (options.view) notes.emplace_back("Shows", typeOf(*options.view).name);
+    if (frame.aperture > 0.0f)
+        notes.emplace_back("Lens", fmt::format("aperture {}, in focus at {}", frame.aperture, frame.focus));
     if (const std::optional<Crop>& c = frame.crop)
         notes.emplace_back("Part", fmt::format("{} x {} pixels from ({}, {}) on of {} x {}", c->width, c->height, c->x, c->y,
                                                frame.width, frame.height));

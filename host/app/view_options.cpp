@@ -65,6 +65,41 @@ void addCrop(CLI::App& command, Options& options) {
         ->type_name("X,Y,W,H");
 }
 
+void addLens(CLI::App& command, Options& options) {
+    const auto parseAperture = [&options](const std::string& text) {
+        const auto numbers = numbersOf<double, 1>(text);
+        if (!numbers || !((*numbers)[0] >= 0.0 && (*numbers)[0] <= largestCoordinate))
+            throw usageError("--aperture {}: the lens's diameter is wanted, in the scene's units, from 0 on", text);
+        options.aperture = static_cast<float>((*numbers)[0]);
+    };
+    command
+        .add_option_function<std::string>("--aperture", parseAperture,
+                                          "diameter of the lens, in the scene's units (default: 0, all is sharp)")
+        ->type_name("DIAMETER");
+    const auto parseFocus = [&options](const std::string& text) {
+        const auto numbers = numbersOf<double, 1>(text);
+        const float distance = numbers ? static_cast<float>((*numbers)[0]) : 0.0f;
+        if (!(distance > 0.0f))
+            throw usageError("--focus {}: a distance above 0 is wanted, in the scene's units, or inf", text);
+        options.focus = distance;
+    };
+    command
+        .add_option_function<std::string>("--focus", parseFocus,
+                                          "distance at which the picture is sharp, along the camera's axis (default: that "
+                                          "of the point that the camera looks at)")
+        ->type_name("DISTANCE");
+}
+
+/// Where the picture is sharp.
+float focusOf(const Options& options, const Camera& camera) {
+    if (options.focus) return *options.focus;
+    const double distance = camera.target ? glm::distance(dvec3(*camera.target), dvec3(camera.eye)) : 0.0;
+    if (!(distance > 0.0))
+        throw usageError("--aperture {}: give --focus too, or --at: the camera {} looks at no point in particular",
+                         options.aperture, camera.name.empty() ? "(unnamed)" : camera.name);
+    return static_cast<float>(distance);
+}
+
 }  // namespace
 
 const char* const viewHelp =
@@ -80,12 +115,15 @@ void addViewOptions(CLI::App& command, Options& options) {
     addVector(command, "--up", options.viewChange.up, "the direction that is up in the picture (default: 0,1,0 if it is turned)");
     addFov(command, options);
     addCrop(command, options);
+    addLens(command, options);
 }
 
 void checkViewOptions(const Options& options) {
     if (options.crop && !options.crop->liesIn(options.width, options.height))
         throw usageError("--crop {},{},{},{}: is not in the picture, which has {} x {} pixels", options.crop->x,
                          options.crop->y, options.crop->width, options.crop->height, options.width, options.height);
+    if (options.focus && options.aperture == 0.0f)
+        throw usageError("--focus {}: without a lens all is sharp; give its diameter by --aperture", *options.focus);
     // With these two given, no direction of the scene's camera matters.
     if (options.viewChange.eye && options.viewChange.at)
         changedView(Camera{}, {options.viewChange.eye, options.viewChange.at, options.viewChange.up, std::nullopt});
@@ -104,6 +142,13 @@ FrameOptions frameOptions(const Options& options, Scene& scene, uint32_t default
     Camera& camera = scene.cameras[frame.camera];
     camera = changedView(camera, options.viewChange);
     turnHeadlights(scene, camera);
+    if (options.aperture > 0.0f) {
+        frame.aperture = options.aperture;
+        frame.focus = focusOf(options, camera);
+        if (frame.aperture > 1e6 * frame.focus)
+            throw usageError("--aperture {}: is more than a million times the distance in focus, {}", frame.aperture,
+                             frame.focus);
+    }
     return frame;
 }
 

@@ -143,6 +143,7 @@ void checkOptions(const Scene& scene, const FrameOptions& options) {
     RAIG_CHECK(options.width > 0 && options.height > 0);
     RAIG_CHECK(options.samples > 0 && options.samples <= 65536);
     RAIG_CHECK_OP(options.camera, <, scene.cameras.size());
+    RAIG_CHECK(options.focus > 0.0f && options.aperture >= 0.0f && options.aperture <= 1e6 * options.focus);
     const Crop part = options.part();
     RAIG_CHECK(part.liesIn(options.width, options.height));
     if (uint64_t{options.width} * options.height > uint64_t{1} << 32)
@@ -203,6 +204,7 @@ std::vector<Ray> cameraRays(const Scene& scene, const FrameOptions& options, uin
     checkOptions(scene, options);
     FrameKernels kernels;
     setView(scene, options, kernels.frame);
+    kernels.FEATURES = withOptions(0, options);
     const Crop part = options.part();
     std::vector<Ray> rays(part.pixels());
     parallelFor(part.height, 16, [&](size_t begin, size_t end) {

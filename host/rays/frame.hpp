@@ -6,6 +6,9 @@
 /// at least MIN_CONTRIB. Source: Whitted 1980, "An Improved Illumination Model for Shaded Display"; Hall and Greenberg 1983,
 /// "A Testbed for Realistic Image Synthesis" (adaptive recursion).
 ///
+/// The camera's lens, if it has one, is thin: what is at distance z along the axis is blurred to a disk whose diameter, in
+/// the plane in focus at distance f, is aperture * |z - f| / z. An orthographic camera's blurs to aperture * |z - f| / f.
+///
 /// Devices and the CPU run the same code, shaders/frame.glsl. The same command gives the same bits, whatever the tile size,
 /// the number of threads, or the run.
 #pragma once
@@ -33,6 +36,9 @@ struct FrameOptions {
     bool keepsLevels = false;                 ///< Picture::levels is wanted
     bool countsCosts = false;                 ///< Picture::costs is wanted: rays are traced by slower kernels, that count
     std::optional<Crop> crop{};               ///< only this part of the picture, whose pixels have the bits of the whole's
+
+    float aperture = 0.0f;                    ///< diameter of the lens, in scene units; 0: a pinhole, all is sharp
+    float focus = INFINITY;                   ///< distance along the camera's axis at which the picture is sharp; > 0
 
     /// What is rendered.
     Crop part() const { return crop.value_or(Crop{0, 0, width, height}); }
@@ -67,7 +73,8 @@ using FrameProgress = std::function<void(double fractionDone, double raysDone)>;
 ///
 /// Requires  geometry == flatten(scene), or gatherInstances(scene), which gives the same picture; `tracer` of its triangles,
 ///           one level or two, with those that let light through marked so (markSeeThrough in rays/lights.hpp);
-///           options.camera < scene.cameras.size(); sizes and samples > 0, samples <= 65536; a crop lies in the picture.
+///           options.camera < scene.cameras.size(); sizes and samples > 0, samples <= 65536; a crop lies in the picture;
+///           0 <= aperture <= 10^6 focus.
 /// Ensures   no pixel's radiance is NaN or infinite unless the scene's numbers overflow.
 /// Cost      samples * pixels * (1 + lights) rays for diffuse scenes; memory: what is rendered and tiles of some 64 MB.
 ///           Throws limitError if more than 2^31 pixels are to be rendered, or the whole picture has more than 2^32, or a

@@ -114,6 +114,7 @@ Picture renderPicture(const Scene& scene, const Geometry& geometry, Tracer& trac
     checkOptions(scene, options);
     FrameData data = packFrame(scene, geometry);
     setView(scene, options, data.params);
+    data.features = withOptions(data.features, options);
     constexpr uint64_t tileBytes = uint64_t{64} << 20;
     CpuTiles tiles(data, tracer, chooseSlots(options.tilePixels, tileBytes / slotBytes(data).all, data));
     Picture picture;

@@ -205,6 +205,8 @@ void setView(const Scene& scene, const FrameOptions& options, FrameParams& param
     params.top = part.y;
     params.partWidth = part.width;
     params.partHeight = part.height;
+    params.lensRadius = 0.5f * options.aperture;
+    params.lensSlope = static_cast<float>(0.5 * options.aperture / options.focus);
     params.samples = options.samples;
     params.seed = options.seed;
     params.maxDepth = options.maxDepth;
@@ -213,6 +215,10 @@ void setView(const Scene& scene, const FrameOptions& options, FrameParams& param
     params.horizon = scene.sky.horizon;
     params.ground = scene.sky.ground;
     params.ambient = scene.ambient;
+}
+
+uint32_t withOptions(uint32_t features, const FrameOptions& options) {
+    return (features & ~FEATURE_LENS) | (options.aperture > 0.0f ? FEATURE_LENS : 0);
 }
 
 FrameData packFrame(const Scene& scene, const Geometry& geometry, bool keepsUvs) {

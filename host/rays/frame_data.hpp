@@ -23,6 +23,9 @@ FrameData packFrame(const Scene& scene, const Geometry& geometry, bool keepsUvs 
 /// Fills in sky, camera and picture: enough for camera rays.
 void setView(const Scene& scene, const FrameOptions& options, shared::FrameParams& params);
 
+/// `features`, and what the options ask for besides.
+uint32_t withOptions(uint32_t features, const FrameOptions& options);
+
 /// Where a pixel of the whole picture is in the part that is rendered, which it lies in, row by row.
 inline size_t placeInPart(uint32_t pixel, const shared::FrameParams& params) {
     const uint32_t x = pixel % params.width - params.left, y = pixel / params.width - params.top;

@@ -113,7 +113,14 @@ struct DeviceFrame::State {
         : device(d), scene(s), tracer(t), data(std::move(packed)), elements(d, std::as_bytes(std::span(data.elements))),
           commands(d) {
         data.elements = {};
-        for (const char* name : kernelNames) kernels.push_back(makeKernel(device, name, data.features, elements));
+    }
+
+    /// Makes the kernels for what the scene and a picture have, unless the last picture's are such.
+    void specialize(uint32_t features) {
+        if (!kernels.empty() && features == data.features) return;
+        data.features = features;
+        kernels.clear();
+        for (const char* name : kernelNames) kernels.push_back(makeKernel(device, name, features, elements));
     }
 
     Device& device;
@@ -140,6 +147,7 @@ Picture DeviceFrame::render(const FrameOptions& options, const FrameProgress& pr
     State& state = *state_;
     checkOptions(state.scene, options);
     setView(state.scene, options, state.data.params);
+    state.specialize(withOptions(state.data.features, options));
     state.data.params.slots = chooseSlots(options.tilePixels, mostSlots(state.device, state.data), state.data);
     DeviceTiles tiles(state.device, state.data, state.elements, state.kernels, state.commands, state.tracer);
     Picture picture;

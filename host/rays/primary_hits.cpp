@@ -12,6 +12,7 @@ PrimaryTiles::PrimaryTiles(const Scene& scene, const Geometry& g, const FrameOpt
     : geometry(g), data(packFrame(scene, geometry, /* keepsUvs= */ true)) {
     FrameOptions centre = options;
     centre.samples = 1;
+    centre.aperture = 0.0f;  // through the lens's centre
     setView(scene, centre, data.params);
     const Crop part = options.part();
     hits.width = part.width;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <numbers>
 
 namespace raig::reference {
 
@@ -20,11 +21,24 @@ dvec2 halfSize(const Camera& camera, double aspect) {
     return {halfHeight * aspect, halfHeight};
 }
 
+/// The point of the unit disk that the concentric map sends one of the unit square to [Shirley and Chiu 1997, "A Low
+/// Distortion Map Between Disk and Square"]: the square of half side r goes to the circle of radius r.
+dvec2 inDisk(const dvec2& square) {
+    constexpr double quarter = std::numbers::pi / 4.0;
+    const dvec2 p = 2.0 * square - 1.0;
+    if (p == dvec2(0.0)) return p;
+    const bool isAside = std::abs(p.x) > std::abs(p.y);
+    const double radius = isAside ? p.x : p.y;
+    const double angle = isAside ? quarter * p.y / p.x : 2.0 * quarter - quarter * p.x / p.y;
+    return radius * dvec2(std::cos(angle), std::sin(angle));
+}
+
 /// A pixel's mean radiance and discarded weight. `variant` counts the roundings; nothing: as it is.
 Radiance shadePixel(const World& world, const PictureOptions& options, uint32_t px, uint32_t py,
                     std::optional<uint32_t> variant) {
     const Camera& camera = world.scene.cameras[options.camera];
-    const double eye = std::max({std::abs(camera.eye.x), std::abs(camera.eye.y), std::abs(camera.eye.z)});
+    const dvec3 stands = glm::abs(dvec3(camera.eye));
+    const double eye = std::max({stands.x, stands.y, stands.z, 0.5 * options.aperture});
     const uint32_t pixel = py * options.width + px;
     Radiance mean;
     for (uint32_t sample = 0; sample < options.samples; ++sample) {
@@ -58,7 +72,15 @@ Ray cameraRay(const Camera& camera, const PictureOptions& options, uint32_t px, 
     const dvec3 eye = camera.eye, forward = camera.forward, aside = sx * dvec3(camera.right) + sy * dvec3(camera.up);
     Ray ray;
     ray.origin = camera.orthographic ? eye + aside : eye;
-    ray.direction = glm::normalize(camera.orthographic ? forward : forward + aside);
+    const dvec3 towards = camera.orthographic ? forward : forward + aside;
+    ray.direction = glm::normalize(towards);
+    if (options.aperture > 0.0) {
+        const dvec3 sharp = options.focus * towards;  // from where the pinhole's ray starts
+        const dvec2 disk = 0.5 * options.aperture * inDisk(sample2(py * options.width + px, sample, 3, options.bounds.seed));
+        const dvec3 onLens = disk.x * dvec3(camera.right) + disk.y * dvec3(camera.up);
+        ray.origin += onLens;
+        if (std::isfinite(options.focus)) ray.direction = glm::normalize(sharp - onLens);
+    }
     return ray;
 }
 

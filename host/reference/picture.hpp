@@ -16,6 +16,8 @@ struct PictureOptions {
     uint32_t camera = 0;   ///< an index into Scene::cameras
     Bounds bounds;
     std::optional<Crop> crop{};  ///< only this part of it
+    double aperture = 0.0;       ///< diameter of the lens, in scene units; 0: a pinhole
+    double focus = INFINITY;     ///< distance along the camera's axis at which the picture is sharp
     uint32_t roundings = 4;  ///< how often each pixel is shaded again with its rays rounded (see rounding.hpp)
 };
 
@@ -32,6 +34,8 @@ struct Picture {
 
 /// The ray of a sample: through the pixel's centre if it is the only one, else through a stratified random place in it.
 /// Perspective or orthographic; the picture shows at least the height the camera asks for, and all of an orthographic frame.
+/// With an aperture, from a stratified random point of a thin lens, across the camera's axis around where the pinhole's ray
+/// starts, to where that meets the plane in focus; its numbers have dimension 3.
 /// Requires px < width, py < height, sample < options.samples. The direction is unit length.
 Ray cameraRay(const Camera& camera, const PictureOptions& options, uint32_t px, uint32_t py, uint32_t sample);
 

@@ -43,6 +43,10 @@ struct FrameParams {
     uint top;                // ... and from its top
     uint partWidth;
     uint partHeight;
+    float lensRadius;        // in scene units
+    float lensSlope;         // the lens's radius over the distance at which the picture is sharp
+    uint unused0;
+    uint unused1;
 };
 
 // One dispatch over a list of slots.
@@ -121,6 +125,7 @@ CONSTANT uint FEATURE_LIGHTS = 64u;
 CONSTANT uint FEATURE_EMITTERS = 128u;
 CONSTANT uint FEATURE_SPHERES = 256u;
 CONSTANT uint FEATURE_INSTANCES = 512u;    // meshes are stored once, in their own space
+CONSTANT uint FEATURE_LENS = 1024u;        // the camera is no pinhole
 
 // The scene's data is an array of uvec4. A triangle is one element: its vertices and its material; and so is a sphere in its
 // place: where it is among the spheres, NO_VERTEX, NO_VERTEX, material. A sphere is one element: centre, radius. A vertex is
