@@ -56,17 +56,17 @@ protected:
 
 /// All channels of an exr, each as words, with whether they are whole numbers.
 struct Channels {
-    explicit Channels(const fs::path& path) : file(path.c_str(), 0) {
+    explicit Channels(const fs::path& path, uint32_t wide = width, uint32_t high = height) : file(path.c_str(), 0) {
         Imf::FrameBuffer frame;
         for (auto it = file.header().channels().begin(); it != file.header().channels().end(); ++it) {
             std::vector<uint32_t>& words = of[it.name()];
-            words.resize(pixels);
+            words.resize(size_t{wide} * high);
             isWhole[it.name()] = it.channel().type == Imf::UINT;
-            frame.insert(it.name(), Imf::Slice(it.channel().type, reinterpret_cast<char*>(words.data()), 4, 4 * width));
+            frame.insert(it.name(), Imf::Slice(it.channel().type, reinterpret_cast<char*>(words.data()), 4, 4 * wide));
         }
         const Imath::Box2i window = file.header().dataWindow();
-        EXPECT_EQ(window.max.x - window.min.x + 1, int{width});
-        EXPECT_EQ(window.max.y - window.min.y + 1, int{height});
+        EXPECT_EQ(window.max.x - window.min.x + 1, int(wide));
+        EXPECT_EQ(window.max.y - window.min.y + 1, int(high));
         file.setFrameBuffer(frame);
         file.readPixels(window.min.y, window.max.y);
     }
@@ -108,6 +108,30 @@ TEST_F(AovFiles, AreLayersOfTheOneExr) {
     }
     EXPECT_GT(none, 0u) << "the box does not fill a picture of 4 : 3";
     EXPECT_LT(none, pixels / 2);
+}
+
+TEST_F(AovFiles, OfAPartAreTheWholesAndNoLensNorExposureChangesThoseOfThePixelsCentre) {
+    const Arguments view = {"--aov", everything, "--eye", "200,300,-700", "--at", "278,273,280", "--fov", "50"};
+    const auto with = [&](Arguments more) {
+        more.insert(more.end(), view.begin(), view.end());
+        return more;
+    };
+    ASSERT_EQ(render("whole.exr", with({})).exitCode, 0);
+    ASSERT_EQ(render("part.exr", with({"--crop", "13,7,41,30"})).exitCode, 0);
+    ASSERT_EQ(render("lens.exr", with({"--aperture", "60", "--exposure", "3"})).exitCode, 0);
+    const Channels all(folder / "whole.exr"), part(folder / "part.exr", 41, 30), lens(folder / "lens.exr");
+    ASSERT_EQ(part.isWhole, all.isWhole);
+    for (const auto& [name, words] : part.of)
+        for (size_t i = 0; i < words.size(); ++i)
+            ASSERT_EQ(words[i], all.of.at(name)[(7 + i / 41) * width + 13 + i % 41]) << name << ", pixel " << i;
+    for (const char* name : {"depth.Z", "position.X", "normal.Y", "uv.U", "primitive.ID", "albedo.R"})
+        EXPECT_EQ(lens.of.at(name), all.of.at(name)) << name;
+    EXPECT_NE(lens.of.at("R"), all.of.at("R"));
+    EXPECT_NE(all.of.at("depth.Z"), std::vector<uint32_t>(pixels, all.of.at("depth.Z")[0]));
+
+    ASSERT_EQ(render("plain.png", {"--view", "depth"}).exitCode, 0);
+    ASSERT_EQ(render("shown.png", {"--view", "depth", "--exposure", "3", "--tonemap", "aces"}).exitCode, 0);
+    EXPECT_EQ(readPicture(folder / "shown.png").pixels, readPicture(folder / "plain.png").pixels);
 }
 
 TEST_F(AovFiles, LieBesideAPictureOfAnotherFormat) {

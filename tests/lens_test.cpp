@@ -111,8 +111,7 @@ TEST(LensRays, AreTheReferences) {
             for (uint32_t sample = 0; sample < 8; ++sample) {
                 const std::vector<Ray> rays = cameraRays(scene, options, sample);
                 for (uint32_t i = 0; i < rays.size(); ++i) {
-                    const reference::Ray want =
-                        cameraRay(scene.cameras.front(), ofReference(options), i % 9, i / 9, sample);
+                    const reference::Ray want = cameraRay(scene.cameras.front(), ofReference(options), i % 9, i / 9, sample);
                     EXPECT_LT(glm::length(dvec3(rays[i].origin) - want.origin), 1e-6);
                     EXPECT_LT(glm::length(dvec3(rays[i].direction) - want.direction), 4e-7);
                 }
@@ -200,8 +199,7 @@ TEST(Lens, HasTheSameBitsWhateverTheTilesAndThePart) {
     EXPECT_EQ(bitsOf(stage.onCpu(options)), bitsOf(whole));
     options.crop = Crop{5, 9, 13, 11};
     const Picture part = stage.onCpu(options);
-    for (uint32_t i = 0; i < 13 * 11; ++i)
-        EXPECT_EQ(part.radiance[i], whole.radiance[(9 + i / 13) * 31 + 5 + i % 13]);
+    for (uint32_t i = 0; i < 13 * 11; ++i) EXPECT_EQ(part.radiance[i], whole.radiance[(9 + i / 13) * 31 + 5 + i % 13]);
 }
 
 class LensOnDevice : public OnEveryDevice {};

@@ -18,8 +18,8 @@ protected:
     /// The picture that `raig render` writes of `scene`, in 40 x 30.
     Image picture(const std::string& scene, std::vector<std::string> arguments) {
         const std::string file = pathOf("picture.pfm");
-        const std::vector<std::string> all{"render", scene, "-o", file, "--size", "40x30", "--spp", "1", "--device", "cpu",
-                                           "--quiet"};
+        const std::vector<std::string> all{"render", scene, "-o",       file,  "--size", "40x30",
+                                           "--spp",  "1",   "--device", "cpu", "--quiet"};
         arguments.insert(arguments.begin(), all.begin(), all.end());
         const ProgramResult result = runProgram(RAIG_PROGRAM, arguments);
         EXPECT_EQ(result.exitCode, 0) << result.errors;
@@ -120,9 +120,11 @@ TEST_F(ViewCommand, WhatCannotBeSeenIsRefusedInOneLine) {
     expectRefused(box, {"--eye", "0,5,0", "--at", "0,0,0", "--up", "0,2,0"}, "looks along it");
     expectRefused(box, {"--up", "0,0,1"}, "looks along it");
     expectRefused(box, {"--up", "0,0,0"}, "no direction");
-    const std::string parallel = folder.write("parallel.gltf", R"({"asset": {"version": "2.0"}, "scene": 0,
+    const std::string parallel = folder
+                                     .write("parallel.gltf", R"({"asset": {"version": "2.0"}, "scene": 0,
         "scenes": [{"nodes": [0]}], "nodes": [{"camera": 0}], "cameras": [{"type": "orthographic", "name": "plan",
-        "orthographic": {"xmag": 1, "ymag": 1, "znear": 0, "zfar": 9}}]})").string();
+        "orthographic": {"xmag": 1, "ymag": 1, "znear": 0, "zfar": 9}}]})")
+                                     .string();
     expectRefused(parallel, {"--fov", "40"}, "--fov: the camera plan is orthographic");
     EXPECT_EQ(picture(parallel, {"--eye", "1,2,3", "--at", "0,0,0"}).width, 40u);
 }

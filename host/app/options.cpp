@@ -3,6 +3,7 @@
 #include "app/aov_options.hpp"
 #include "app/chart_options.hpp"
 #include "app/compare_options.hpp"
+#include "app/tone_options.hpp"
 #include "app/view_options.hpp"
 #include "app/written_files.hpp"
 #include "base/error.hpp"
@@ -206,6 +207,7 @@ void addRender(CLI::App& app, Options& options) {
     addPictureFile(command, options, "the picture: .png, .hdr, .exr or .pfm", true);
     addPicture(command, options, 512);
     addAovOptions(command, options);
+    addToneOptions(command, options);
     addStructure(command, options);
     addCommon(command, options);
     command.footer("Examples:\n"
@@ -214,8 +216,9 @@ void addRender(CLI::App& app, Options& options) {
                    "  raig render glass.glb -o out.png --max-depth 20 --min-contribution 1/4096\n"
                    "  raig render bunny.ply -o out.png --eye 1,2,3 --fov 30\n"
                    "  raig render room.glb -o part.png --size 4096x4096 --crop 1024,2048,256,256\n"
-                   "  raig render room.glb -o sharp.png --aperture 0.05 --focus 2.5 --spp 64\n" +
-                   aovExamples() + viewHelp + aovHelp());
+                   "  raig render room.glb -o sharp.png --aperture 0.05 --focus 2.5 --spp 64\n"
+                   "  raig render room.glb -o out.png --exposure auto --tonemap aces\n" +
+                   aovExamples() + viewHelp + toneHelp + aovHelp());
 }
 
 void addTrace(CLI::App& app, Options& options) {
@@ -439,6 +442,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     }
     checkNoneIsEmpty(app);
     checkViewOptions(options);
+    checkToneOptions(options);
     checkWrittenFiles(options);
     return options;
 }

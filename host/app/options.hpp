@@ -2,6 +2,7 @@
 #pragma once
 
 #include "app/aov.hpp"
+#include "image/tone.hpp"
 #include "measure/compare_bounds.hpp"
 #include "rays/types.hpp"
 #include "scene/view.hpp"
@@ -54,8 +55,10 @@ struct Options {
     uint32_t samples = 0;                  ///< a pixel; 0: the command's own default
 
     // render.
-    std::vector<Aov> aovs;    ///< to be written; each once
-    std::optional<Aov> view;  ///< what the picture shows instead of light
+    std::optional<double> exposure = 0.0;  ///< in stops; nothing: as suits the picture
+    Tone tone = Tone::none;                ///< none unless `output` is a png
+    std::vector<Aov> aovs;                 ///< to be written; each once
+    std::optional<Aov> view;               ///< what the picture shows instead of light
 
     // compare.
     std::vector<Bound> bounds;  ///< of metrics; more than one of the same are all held to

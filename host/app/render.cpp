@@ -4,6 +4,7 @@
 #include "app/commands.hpp"
 #include "app/progress.hpp"
 #include "app/setup.hpp"
+#include "app/tone_options.hpp"
 #include "app/view_options.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -96,7 +97,13 @@ uint64_t writeAll(const Options& options, const Image& image, const AovSources& 
     return countNonFinite(image);
 }
 
-Notes notesOf(const Options& options, const FrameOptions& frame, const Setup& setup) {
+/// What is done to light to show it; nothing where another view is shown.
+struct Shown {
+    double stops = 0.0;
+    Tone tone = Tone::none;
+};
+
+Notes notesOf(const Options& options, const FrameOptions& frame, const Setup& setup, const Shown& shown) {
     Notes notes = {{"Software", "raig"},
                    {"Scene", options.inputs.front().filename().string()},
                    {"Recursion", fmt::format("NIVELL_MAX {}, MIN_CONTRIB {}", frame.maxDepth, options.minContribution)},
@@ -108,6 +115,8 @@ Notes notesOf(const Options& options, const FrameOptions& frame, const Setup& se
     if (const std::optional<Crop>& c = frame.crop)
         notes.emplace_back("Part", fmt::format("{} x {} pixels from ({}, {}) on of {} x {}", c->width, c->height, c->x, c->y,
                                                frame.width, frame.height));
+    if (shown.stops != 0.0 || shown.tone != Tone::none)
+        notes.emplace_back("Light", fmt::format("times 2^{:.9g}, curve {}", shown.stops, nameOf(shown.tone)));
     return notes;
 }
 
@@ -184,8 +193,12 @@ int render(const Options& options) {
     if (needsHits(options)) hits = makeHits(*setup, frame);
     const Crop part = frame.part();
     const AovSources sources{part.width, part.height, frame.samples, picture, hits};
-    const AovView view = options.view ? viewOf(*options.view, sources) : AovView{imageOf(picture), std::nullopt};
-    const uint64_t nonFinite = writeAll(options, view.image, sources, notesOf(options, frame, *setup));
+    AovView view = options.view ? viewOf(*options.view, sources) : AovView{imageOf(picture), std::nullopt};
+    const uint64_t nonFiniteLight = countNonFinite(view.image);
+    Shown shown;
+    if (!options.view) shown = {showLight(options, view.image), options.tone};
+    const uint64_t nonFinite =
+        std::max(nonFiniteLight, writeAll(options, view.image, sources, notesOf(options, frame, *setup, shown)));
     if (nonFinite > 0) log::warn("{}: {} pixels are not finite", options.output.string(), nonFinite);
 
     const Discarded discarded = measureDiscarded(picture);
@@ -195,6 +208,8 @@ int render(const Options& options) {
     if (options.json) {
         nlohmann::ordered_json document = toJson(*setup, frame, picture, discarded);
         document["output"] = options.output.string();
+        document["exposure"] = shown.stops;
+        document["tonemap"] = nameOf(shown.tone);
         addAovs(options, view, document);
         document["non_finite_pixels"] = nonFinite;
         std::puts(document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());

@@ -112,7 +112,8 @@ void addViewOptions(CLI::App& command, Options& options) {
         ->type_name("CAMERA");
     addVector(command, "--eye", options.viewChange.eye, "where the camera stands");
     addVector(command, "--at", options.viewChange.at, "the point that it looks at");
-    addVector(command, "--up", options.viewChange.up, "the direction that is up in the picture (default: 0,1,0 if it is turned)");
+    addVector(command, "--up", options.viewChange.up,
+              "the direction that is up in the picture (default: 0,1,0 if it is turned)");
     addFov(command, options);
     addCrop(command, options);
     addLens(command, options);

@@ -10,7 +10,8 @@ class App;
 
 namespace raig {
 
-/// Adds --camera, --eye, --at, --up, --fov, --crop, --aperture and --focus. They throw usageError for what is no number or out of range.
+/// Adds --camera, --eye, --at, --up, --fov, --crop, --aperture and --focus. They throw usageError for what is no number or
+/// out of range.
 void addViewOptions(CLI::App& command, Options& options);
 
 /// The lines of --help that tell what these options do to each other.

@@ -9,9 +9,10 @@ namespace raig {
 using shared::PrimaryHit;
 
 /// One a pixel that is rendered, row by row from the top, of the ray through the pixel's centre (that of a picture with one
-/// sample) and the lens's: nothing is averaged. `primitive` counts a mesh's triangles in file order, then its spheres; `instance` and `material` are indices
-/// into Scene::instances and Scene::materials. Where nothing is hit depth is infinite, these three are NO_HIT, all else is
-/// 0. Without texture coordinates in the scene u and v are the hit's own.
+/// sample) and the lens's: nothing is averaged. `pixel` counts in the whole picture, `primitive` a mesh's triangles in file
+/// order, then its spheres; `instance` and `material` are indices into Scene::instances and Scene::materials. Where nothing
+/// is hit depth is infinite, these three are NO_HIT, all else is 0. Without texture coordinates in the scene u and v are the
+/// hit's own.
 struct PrimaryHits {
     uint32_t width = 0;
     uint32_t height = 0;

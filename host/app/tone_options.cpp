@@ -1,0 +1,58 @@
+#include "app/tone_options.hpp"
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+
+#include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
+
+#include <charconv>
+#include <cmath>
+
+namespace raig {
+
+const char* const toneHelp =
+    "--exposure is for all files, and light in .hdr, .exr and .pfm stays linear; --tonemap is for .png only. With\n"
+    "--exposure auto the mean logarithm of the light of what is rendered becomes that of 0.18.\n";
+
+void addToneOptions(CLI::App& command, Options& options) {
+    const auto parseExposure = [&options](const std::string& text) {
+        double stops = 0.0;
+        const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), stops);
+        const bool isNumber = fault == std::errc{} && end == text.data() + text.size();
+        if (text != "auto" && !(isNumber && std::abs(stops) <= 100.0))
+            throw usageError("--exposure {}: stops from -100 to 100 are wanted, or auto", text);
+        options.exposure = text == "auto" ? std::nullopt : std::optional(stops);
+    };
+    command
+        .add_option_function<std::string>("--exposure", parseExposure,
+                                          "light times 2^STOPS, or auto: middle grey on average (default: 0)")
+        ->type_name("STOPS");
+    const auto parseTone = [&options](const std::string& text) {
+        const std::optional<Tone> tone = findTone(text);
+        if (!tone) throw usageError("--tonemap {}: one of {} is wanted", text, fmt::join(toneNames(), ", "));
+        options.tone = *tone;
+    };
+    command
+        .add_option_function<std::string>("--tonemap", parseTone,
+                                          fmt::format("how bright light is shown in a .png: {} (default: none, clamped)",
+                                                      fmt::join(toneNames(), ", ")))
+        ->type_name("CURVE");
+}
+
+void checkToneOptions(const Options& options) {
+    if (options.tone != Tone::none && !options.output.empty() && pictureFormat(options.output) != PictureFormat::png)
+        throw usageError("--tonemap: {} keeps light as it is; write a .png, or leave --tonemap out",
+                         options.output.string());
+}
+
+double showLight(const Options& options, Image& image) {
+    std::optional<double> stops = options.exposure ? options.exposure : suitableStops(image);
+    if (!stops) log::warn("--exposure auto: the picture is black, and stays so");
+    if (!options.exposure && stops) log::note("exposure: {:+.2f} stops", *stops);
+    expose(image, stops.value_or(0.0));
+    bend(image, options.tone);
+    return stops.value_or(0.0);
+}
+
+}  // namespace raig
