@@ -192,9 +192,13 @@ TEST_F(AovFiles, IdsAreSeenInOneColourEach) {
         EXPECT_EQ(colours.try_emplace(material.of.at("material.ID")[i], colour).first->second, colour);
     }
     EXPECT_GT(colours.size(), 4u);
-    for (const auto& a : colours)
-        for (const auto& b : colours)
-            if (a.first != b.first) EXPECT_NE(a.second, b.second) << a.first << " and " << b.first;
+    for (const auto& a : colours) {
+        for (const auto& b : colours) {
+            if (a.first != b.first) {
+                EXPECT_NE(a.second, b.second) << a.first << " and " << b.first;
+            }
+        }
+    }
     EXPECT_EQ(colours.at(0xffffffffu), std::vector<float>(3, 0.0f));
 }
 
