@@ -1,6 +1,6 @@
 // How a surface splits light into reflected (K_R), transmitted (K_T) and scattered, and where the first two go.
 //
-// Whoever includes this includes surface.glsl before it.
+// Whoever includes this includes surface.glsl and media.glsl before it.
 
 struct Split {
     vec3 reflected;       // weight of the reflected ray
@@ -54,11 +54,11 @@ vec3 absorbed(vec3 absorption, float distance_) {
 }
 
 // A surface that lets light through: Fresnel's share is reflected, the rest passes or is scattered.
-Split splitByFresnel(vec3 d, float cosI, SurfacePoint p) {
-    float n1 = p.thin || p.front ? 1.0f : p.ior;
-    float n2 = p.thin || p.front ? p.ior : 1.0f;
+Split splitByFresnel(vec3 d, float cosI, SurfacePoint p, Crossing crossing) {
+    float n1 = crossing.from;
+    float n2 = crossing.to;
     precise float eta = n1 / n2;
-    float reflectance = p.ior == 1.0f ? 0.0f : fresnelReflectance(cosI, n1, n2);
+    float reflectance = n1 == n2 ? 0.0f : fresnelReflectance(cosI, n1, n2);
     vec3 way = d;
     if (!p.thin) {
         way = bent(d, p.shading, eta);
@@ -74,7 +74,7 @@ Split splitByFresnel(vec3 d, float cosI, SurfacePoint p) {
 // surface.
 // Source: Whitted 1980, "An Improved Illumination Model for Shaded Display"; Schlick 1994, "An Inexpensive BRDF Model for
 // Physically-based Rendering" (growth of an opaque surface's reflection towards grazing).
-Split splitAt(vec3 d, SurfacePoint p) {
+Split splitAt(vec3 d, SurfacePoint p, Crossing crossing) {
     precise float cosI = -dot(d, p.shading);
     precise float c = 1.0f - min(cosI, 1.0f);
     precise float k = c * c * c * c * c;
@@ -82,8 +82,10 @@ Split splitAt(vec3 d, SurfacePoint p) {
     vec3 reflected = p.gloss > 0.0f ? mirror : vec3(0.0f);
     precise vec3 diffuse = (vec3(1.0f) - reflected) * p.diffuse;
     Split split = Split(reflected, vec3(0.0f), diffuse, vec3(0.0f), d);
-    if (p.transmissive) {
-        split = splitByFresnel(d, cosI, p);
+    if (crossing.hidden) {
+        split = Split(vec3(0.0f), vec3(1.0f), vec3(0.0f), vec3(0.0f), d);
+    } else if (p.transmissive) {
+        split = splitByFresnel(d, cosI, p, crossing);
     } else if ((FEATURES & FEATURE_MIRRORS) != 0u) {
         split.reflectedWay = reflectedDirection(d, p);
     }

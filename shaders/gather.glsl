@@ -28,7 +28,7 @@ vec3 gatheredLight(uint i) {
 PixelResult resultOf(PathState state) {
     precise vec3 mean = state.sum / float(frame.samples);
     precise float discarded = state.discarded / float(frame.samples);
-    return PixelResult(mean, discarded, state.pixel, state.shadowRays, state.deepest, 0u);
+    return PixelResult(mean, discarded, state.pixel, state.shadowRays, state.deepest, state.forgotten);
 }
 
 // Turns slot `slot` to a ray that was put off, else to its next sample. Returns false, with its pixel in results[], if there
@@ -57,6 +57,7 @@ bool moveOn(uint i, uint slot, INOUT(Ray) next) {
             states[slot].pendingCount = state.pendingCount;
             states[slot].deepest = state.deepest;
         }
+        if ((FEATURES & FEATURE_NESTED) != 0u) states[slot].media = state.media;
     }
     return !finished;
 }

@@ -20,22 +20,22 @@ void putAll(FrameParams s) {
     put(s.trianglesAt); put(s.verticesAt); put(s.vertexStride); put(s.texturesAt); put(s.decodeAt);
     put(s.spheresAt); put(s.instancesAt); put(s.instanceCount);
     put(s.left); put(s.top); put(s.partWidth); put(s.partHeight);
-    put(s.lensRadius); put(s.lensSlope); put(s.unused0); put(s.unused1);
+    put(s.lensRadius); put(s.lensSlope); put(s.mediaAt); put(s.eyeMedia);
 }
 
 void putAll(TileStep s) { put(s.count); put(s.listAt); put(s.nextAt); put(s.compacts); put(s.firstPixel); }
 
 void putAll(PathState s) {
     put(s.weight); put(s.depth); put(s.sum); put(s.discarded); put(s.pixel); put(s.sampleIndex); put(s.key);
-    put(s.pendingCount); put(s.shadowRays); put(s.deepest); put(s.unused0); put(s.unused1);
+    put(s.pendingCount); put(s.shadowRays); put(s.deepest); put(s.media); put(s.forgotten);
 }
 
 void putAll(PendingRay s) {
-    put(s.origin); put(s.depth); put(s.direction); put(s.key); put(s.weight); put(s.unused);
+    put(s.origin); put(s.depth); put(s.direction); put(s.key); put(s.weight); put(s.media);
 }
 
 void putAll(PixelResult s) {
-    put(s.radiance); put(s.discarded); put(s.pixel); put(s.shadowRays); put(s.deepest); put(s.unused);
+    put(s.radiance); put(s.discarded); put(s.pixel); put(s.shadowRays); put(s.deepest); put(s.forgotten);
 }
 
 void putAll(PrimaryHit s) {

@@ -8,6 +8,7 @@ Ray beginSample(INOUT(PathState) state) {
     state.depth = 0u;
     state.key = 0u;
     state.pendingCount = 0u;
+    state.media = frame.eyeMedia;
     return cameraRay(state.pixel, state.sampleIndex);
 }
 
@@ -17,15 +18,16 @@ PathState beginPixel(uint pixel) {
 
 // Puts off a ray below `state`'s present one until all that was put off after it is done; or discards it, if it goes deeper
 // than NIVELL_MAX or weighs less than MIN_CONTRIB: then the greatest component of its weight is added to the pixel's
-// discarded weight, which so bounds the error, times the brightest radiance. Requires room for maxDepth + 1 rays a slot.
-void follow(uint slot, INOUT(PathState) state, vec3 origin, vec3 direction, vec3 weight, uint key) {
+// discarded weight, which so bounds the error, times the brightest radiance. `media`: what it is in. Requires room for
+// maxDepth + 1 rays a slot.
+void follow(uint slot, INOUT(PathState) state, vec3 origin, vec3 direction, vec3 weight, uint key, uint media) {
     float largest = largestOf(weight);
     bool deep = state.depth + 1u > frame.maxDepth;
     if (deep || largest < frame.minContribution) {
         state.discarded += largest;
     } else if (largest > 0.0f) {
         pending[state.pendingCount * frame.slots + slot] =
-            PendingRay(origin, state.depth + 1u, direction, key, weight, 0.0f);
+            PendingRay(origin, state.depth + 1u, direction, key, weight, media);
         state.pendingCount += 1u;
     }
 }
@@ -37,6 +39,7 @@ Ray takeUp(uint slot, INOUT(PathState) state) {
     state.weight = next.weight;
     state.depth = next.depth;
     state.key = next.key;
+    state.media = next.media;
     state.deepest = max(state.deepest, next.depth);
     return Ray(next.origin, 0.0f, next.direction, FAR_AWAY);
 }

@@ -6,21 +6,25 @@
 // Emission, absorption, ambient light; reflected and transmitted rays are put off, the reflected one to be taken up first.
 // Returns the weight of direct light: what its irradiance is multiplied by in the pixel.
 vec3 shadeSurface(uint slot, Ray ray, Hit hit, SurfacePoint p, INOUT(PathState) state) {
-    if (p.transmissive && !p.thin && !p.front) state.weight = state.weight * absorbed(p.absorption, hit.t);
+    Crossing crossing = crossingAt(p, state.media);
+    if (crossing.absorbs) state.weight = state.weight * absorbed(crossing.absorption, hit.t);
+    state.forgotten += crossing.forgets ? 1u : 0u;
     precise vec3 emitted = state.sum + state.weight * p.emission;
-    state.sum = emitted;
+    if (!crossing.hidden) state.sum = emitted;
 
-    Split split = splitAt(ray.direction, p);
+    Split split = splitAt(ray.direction, p, crossing);
     precise vec3 scattered = state.weight * split.diffuse;
     precise vec3 ambient = state.sum + scattered * frame.ambient;
     state.sum = ambient;
     if ((FEATURES & FEATURE_TRANSMISSION) != 0u) {
         vec3 weight = state.weight * split.transmitted;
-        follow(slot, state, spawnOrigin(p.at, -p.normal), split.transmittedWay, weight, 2u * state.key + 2u);
+        follow(slot, state, spawnOrigin(p.at, -p.normal), split.transmittedWay, weight, 2u * state.key + 2u,
+               crossing.beyond);
     }
     if (BRANCHES) {
         vec3 weight = state.weight * split.reflected;
-        follow(slot, state, spawnOrigin(p.at, p.normal), split.reflectedWay, weight, 2u * state.key + 1u);
+        follow(slot, state, spawnOrigin(p.at, p.normal), split.reflectedWay, weight, 2u * state.key + 1u,
+               crossing.within);
     }
     precise vec3 direct = scattered * 0.318309886f;
     return direct;
@@ -75,5 +79,6 @@ void shade(uint i) {
             states[slot].discarded = state.discarded;
             states[slot].pendingCount = state.pendingCount;
         }
+        if ((FEATURES & FEATURE_NESTED) != 0u) states[slot].forgotten = state.forgotten;
     }
 }

@@ -16,6 +16,7 @@ struct SurfacePoint {
     bool transmissive;   // lets light through at all, before the tint
     vec3 absorption;
     bool thin;
+    uint medium;         // what is within, if it is known to be closed: see media.glsl
     vec3 emission;
 };
 
@@ -181,6 +182,8 @@ SurfacePoint surfaceAt(Ray ray, Hit hit) {
     p.transmissive = (FEATURES & FEATURE_TRANSMISSION) != 0u && largestOf(xyzOf(through)) > 0.0f;
     p.absorption = xyzOf(absorption);
     p.thin = (through.w & SURFACE_THIN) != 0u;
-    p.emission = xyzOf(scene_at(material + 4u));
+    uvec4 emission = scene_at(material + 4u);
+    p.emission = xyzOf(emission);
+    p.medium = emission.w;
     return p;
 }

@@ -128,6 +128,13 @@ void describe(const Picture& picture, const Crop& part, const Discarded& discard
         raysTraced(s) * 1e-6 / std::max(s.traceSeconds, 1e-9), s.deepest);
     log::note("discarded weight: {:.2e} on average, {:.2e} at worst, in pixel ({}, {})", discarded.mean, discarded.worst,
               part.x + discarded.worstPixel % part.width, part.y + discarded.worstPixel / part.width);
+    if (s.openMaterials > 0)
+        log::note("remark: {} materials of glass that other things lie in or about are not closed: each is taken to part "
+                  "what is around it from what it holds, whatever lies in it",
+                  s.openMaterials);
+    if (s.forgottenMedia > 0)
+        log::warn("rays were in more than 4 things of glass at once, {} times: the outermost was forgotten",
+                  s.forgottenMedia);
 }
 
 nlohmann::ordered_json toJson(const Setup& setup, const FrameOptions& frame, const Picture& picture,
@@ -169,6 +176,7 @@ nlohmann::ordered_json toJson(const Setup& setup, const FrameOptions& frame, con
             {"shadow_rays", s.shadowRays},
             {"mrays_per_s", raysTraced(s) * 1e-6 / std::max(s.traceSeconds, 1e-9)},
             {"deepest", s.deepest},
+            {"forgotten_media", s.forgottenMedia},
             {"tiles", s.tiles},
             {"discarded_weight", {{"mean", discarded.mean}, {"max", discarded.worst}}},
             {"remarks", setup.scene.remarks}};

@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace raig::hard {
 
@@ -37,8 +39,8 @@ PictureScene balls() {
 PictureScene nested() {
     PictureScene scene = furnace("water and air in glass");
     addSphere(scene.scene, vec3(0), 1.0f, glass(1.5f));
-    addSphere(scene.scene, vec3(0), 0.7f, glass(1.33f / 1.5f));
-    addBall(scene.scene, vec3(0), 0.3f, 6, glass(1.0f / 1.33f));
+    addSphere(scene.scene, vec3(0), 0.7f, glass(1.33f));
+    addBall(scene.scene, vec3(0), 0.3f, 6, glass(1.0f));
     scene.scene.cameras.push_back(cameraAt({0, 0.1f, 4}, {0, 0, -1}, 0.6f));
     return scene;
 }
@@ -72,7 +74,9 @@ PictureScene slab(float ior) {
 }
 
 std::vector<PictureScene> dielectrics(const Draw&) {
-    return {balls(), nested(), grazing(), slab(1.5f), slab(0.9f)};
+    std::vector<PictureScene> scenes = {balls(), nested(), grazing(), slab(1.5f), slab(0.9f)};
+    std::ranges::move(mediaInMedia(), std::back_inserter(scenes));
+    return scenes;
 }
 
 // ---- Case 55 -----------------------------------------------------------------------------------------------------------
@@ -121,13 +125,16 @@ PictureScene inPlane() {
 }
 
 std::vector<PictureScene> cameras(const Draw&) {
-    return {withinGlass(true),
-            withinGlass(false),
-            atGlow("within what glows", {0.5f, 0.25f, 0.125f}, {0.2f, 0.3f, -1}, true),
-            atGlow("on a wall that glows, towards it", {0.5f, 0.25f, 0}, {0, 0, -1}, false),
-            atGlow("on a wall that glows, away from it", {0.5f, 0.25f, 0}, {0, 0.1f, 1}, false),
-            atGlow("on a sphere that glows", {0, 0, 2}, {0, 0, -1}, true),
-            inPlane()};
+    std::vector<PictureScene> scenes = {
+        withinGlass(true),
+        withinGlass(false),
+        atGlow("within what glows", {0.5f, 0.25f, 0.125f}, {0.2f, 0.3f, -1}, true),
+        atGlow("on a wall that glows, towards it", {0.5f, 0.25f, 0}, {0, 0, -1}, false),
+        atGlow("on a wall that glows, away from it", {0.5f, 0.25f, 0}, {0, 0.1f, 1}, false),
+        atGlow("on a sphere that glows", {0, 0, 2}, {0, 0, -1}, true),
+        inPlane()};
+    std::ranges::move(eyesInMedia(), std::back_inserter(scenes));
+    return scenes;
 }
 
 // ---- Case 56 -----------------------------------------------------------------------------------------------------------

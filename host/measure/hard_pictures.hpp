@@ -32,6 +32,9 @@ struct PictureCase {
 
 std::vector<PictureCase> recursionCases();  ///< 52 and 53: mirrors, and what divides light in two
 std::vector<PictureCase> glassCases();      ///< 54 to 56
+/// Of cases 54 and 55: media within media, and eyes within them.
+std::vector<PictureScene> mediaInMedia();
+std::vector<PictureScene> eyesInMedia();
 std::vector<PictureCase> frameCases();      ///< 58 to 61: sizes, limits, tiles, numbers that are none
 
 /// All of them, by number.

@@ -112,6 +112,7 @@ void take(const PixelResult& result, const FrameParams& params, Picture& picture
     picture.radiance[at] = result.radiance;
     picture.discarded[at] = result.discarded;
     picture.statistics.shadowRays += result.shadowRays;
+    picture.statistics.forgottenMedia += result.forgotten;
     picture.statistics.deepest = std::max(picture.statistics.deepest, result.deepest);
     if (!picture.levels.empty()) picture.levels[at] = result.deepest;
 }
@@ -172,6 +173,7 @@ void renderTiles(FrameTiles& tiles, const FrameData& data, const FrameOptions& o
     picture.height = part.height;
     picture.radiance.resize(pixels);
     picture.discarded.resize(pixels);
+    picture.statistics.openMaterials = data.media.openMaterials;
     if (options.keepsLevels) picture.levels.resize(pixels);
     if (options.countsCosts) picture.costs.resize(pixels);
     TileSize size(tiles, options.tilePixels);

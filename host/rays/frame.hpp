@@ -6,6 +6,10 @@
 /// at least MIN_CONTRIB. Source: Whitted 1980, "An Improved Illumination Model for Shaded Display"; Hall and Greenberg 1983,
 /// "A Testbed for Realistic Image Synthesis" (adaptive recursion).
 ///
+/// Where glass holds other things each ray knows which media it is in (shaders/media.glsl): what it meets parts the one
+/// that it runs through from the next, and that one absorbs. Camera rays are in the media that the eye is in, once for a
+/// picture (an orthographic camera's eye is the middle of where its rays start).
+///
 /// The camera's lens, if it has one, is thin: what is at distance z along the axis is blurred to a disk whose diameter, in
 /// the plane in focus at distance f, is aperture * |z - f| / z. An orthographic camera's blurs to aperture * |z - f| / f.
 ///
@@ -48,6 +52,8 @@ struct FrameStatistics {
     uint64_t closestRays = 0;   ///< camera, reflected and transmitted rays
     uint64_t shadowRays = 0;
     uint32_t deepest = 0;       ///< reflections and refractions of the deepest ray
+    uint64_t forgottenMedia = 0;  ///< how often rays entered more things within each other than they remember
+    uint32_t openMaterials = 0;   ///< of glass that may hold or lie in other things, but is not closed: Media
     uint32_t tiles = 0;
     double seconds = 0.0;       ///< wall time, from the scene in memory to the picture in memory
     double traceSeconds = 0.0;  ///< of which in finding hits
@@ -89,7 +95,7 @@ Picture renderPicture(const Scene& scene, const Geometry& geometry, Tracer& trac
 class DeviceFrame {
 public:
     /// Requirements of scene, geometry and tracer as for renderPicture; `tracer` traces on `device`, and both outlive this,
-    /// as does `scene`. Throws limitError if the scene does not fit.
+    /// as do `scene` and `geometry`. Throws limitError if the scene does not fit.
     DeviceFrame(Device& device, const Scene& scene, const Geometry& geometry, DeviceTracer& tracer);
     ~DeviceFrame();
     DeviceFrame(const DeviceFrame&) = delete;

@@ -113,7 +113,7 @@ Picture renderPicture(const Scene& scene, const Geometry& geometry, Tracer& trac
     const Clock::time_point start = Clock::now();
     checkOptions(scene, options);
     FrameData data = packFrame(scene, geometry);
-    setView(scene, options, data.params);
+    setView(scene, geometry, options, data);
     data.features = withOptions(data.features, options);
     constexpr uint64_t tileBytes = uint64_t{64} << 20;
     CpuTiles tiles(data, tracer, chooseSlots(options.tilePixels, tileBytes / slotBytes(data).all, data));

@@ -100,11 +100,18 @@ void packMaterials(const Scene& scene, const TextureList& textures, Packer& pack
         packer.append(packed(s.mirror, s.ior));
         packer.append(packed(s.transmission, flags));
         packer.append(packed(s.absorption, textures.ofMaterial[i]));
-        packer.append(packed(s.emission, 0u));
+        packer.append(packed(s.emission, uint32_t{data.media.ofMaterial[i]}));
         const bool transmits = glm::any(glm::greaterThan(s.transmission, vec3(0.0f)));
         if (transmits) data.features |= FEATURE_TRANSMISSION;
         if (!transmits && s.gloss > 0.0f) data.features |= FEATURE_MIRRORS;
     }
+}
+
+void packMedia(Packer& packer, FrameData& data) {
+    data.params.mediaAt = packer.here();
+    if (!data.media.nests) return;
+    data.features |= FEATURE_NESTED;
+    for (const Medium& medium : data.media.media) packer.append(packed(medium.absorption, medium.ior));
 }
 
 void packLights(const Scene& scene, const Geometry& geometry, Packer& packer, FrameData& data) {
@@ -217,6 +224,11 @@ void setView(const Scene& scene, const FrameOptions& options, FrameParams& param
     params.ambient = scene.ambient;
 }
 
+void setView(const Scene& scene, const Geometry& geometry, const FrameOptions& options, FrameData& data) {
+    setView(scene, options, data.params);
+    data.params.eyeMedia = mediaAround(data.media, geometry, data.params.eye);
+}
+
 uint32_t withOptions(uint32_t features, const FrameOptions& options) {
     return (features & ~FEATURE_LENS) | (options.aperture > 0.0f ? FEATURE_LENS : 0);
 }
@@ -227,7 +239,9 @@ FrameData packFrame(const Scene& scene, const Geometry& geometry, bool keepsUvs)
     const TextureList textures = listTextures(scene, geometry);
     if (!textures.textures.empty()) data.features |= FEATURE_TEXTURES;
     if (!geometry.uvs.empty() && (keepsUvs || !textures.textures.empty())) data.features |= FEATURE_UVS;
+    data.media = findMedia(scene, geometry);
     packMaterials(scene, textures, packer, data);
+    packMedia(packer, data);
     packLights(scene, geometry, packer, data);
     packTextures(scene, textures, packer, data.params);
     packGeometry(geometry, packer, data);

@@ -3,6 +3,7 @@
 
 #include "rays/frame.hpp"
 #include "rays/frame_types.hpp"
+#include "rays/media.hpp"
 
 #include <vector>
 
@@ -12,6 +13,7 @@ namespace raig {
 struct FrameData {
     std::vector<uvec4> elements;
     uint32_t features = 0;       ///< FEATURE_*
+    Media media;
     shared::FrameParams params{};  ///< where what is; camera and picture come from setView(), `slots` from who makes room
 };
 
@@ -22,6 +24,9 @@ FrameData packFrame(const Scene& scene, const Geometry& geometry, bool keepsUvs 
 
 /// Fills in sky, camera and picture: enough for camera rays.
 void setView(const Scene& scene, const FrameOptions& options, shared::FrameParams& params);
+
+/// The same, and what media the eye is in.
+void setView(const Scene& scene, const Geometry& geometry, const FrameOptions& options, FrameData& data);
 
 /// `features`, and what the options ask for besides.
 uint32_t withOptions(uint32_t features, const FrameOptions& options);

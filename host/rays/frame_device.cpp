@@ -109,9 +109,9 @@ uint64_t mostSlots(const Device& device, const FrameData& data) {
 }  // namespace
 
 struct DeviceFrame::State {
-    State(Device& d, const Scene& s, FrameData packed, DeviceTracer& t)
-        : device(d), scene(s), tracer(t), data(std::move(packed)), elements(d, std::as_bytes(std::span(data.elements))),
-          commands(d) {
+    State(Device& d, const Scene& s, const Geometry& g, FrameData packed, DeviceTracer& t)
+        : device(d), scene(s), geometry(g), tracer(t), data(std::move(packed)),
+          elements(d, std::as_bytes(std::span(data.elements))), commands(d) {
         data.elements = {};
     }
 
@@ -125,6 +125,7 @@ struct DeviceFrame::State {
 
     Device& device;
     const Scene& scene;
+    const Geometry& geometry;
     DeviceTracer& tracer;
     FrameData data;
     BigArray elements;
@@ -136,7 +137,7 @@ struct DeviceFrame::State {
 DeviceFrame::DeviceFrame(Device& device, const Scene& scene, const Geometry& geometry, DeviceTracer& tracer) {
     const Clock::time_point start = Clock::now();
     checkLights(scene);
-    state_ = std::make_unique<State>(device, scene, packFrame(scene, geometry), tracer);
+    state_ = std::make_unique<State>(device, scene, geometry, packFrame(scene, geometry), tracer);
     state_->setupSeconds = secondsSince(start);
 }
 
@@ -146,7 +147,7 @@ Picture DeviceFrame::render(const FrameOptions& options, const FrameProgress& pr
     const Clock::time_point start = Clock::now();
     State& state = *state_;
     checkOptions(state.scene, options);
-    setView(state.scene, options, state.data.params);
+    setView(state.scene, state.geometry, options, state.data);
     state.specialize(withOptions(state.data.features, options));
     state.data.params.slots = chooseSlots(options.tilePixels, mostSlots(state.device, state.data), state.data);
     DeviceTiles tiles(state.device, state.data, state.elements, state.kernels, state.commands, state.tracer);

@@ -34,7 +34,7 @@ dvec2 inDisk(const dvec2& square) {
 }
 
 /// A pixel's mean radiance and discarded weight. `variant` counts the roundings; nothing: as it is.
-Radiance shadePixel(const World& world, const PictureOptions& options, uint32_t px, uint32_t py,
+Radiance shadePixel(const World& world, const PictureOptions& options, const Nest& media, uint32_t px, uint32_t py,
                     std::optional<uint32_t> variant) {
     const Camera& camera = world.scene.cameras[options.camera];
     const dvec3 stands = glm::abs(dvec3(camera.eye));
@@ -42,7 +42,7 @@ Radiance shadePixel(const World& world, const PictureOptions& options, uint32_t 
     const uint32_t pixel = py * options.width + px;
     Radiance mean;
     for (uint32_t sample = 0; sample < options.samples; ++sample) {
-        SampleId id{pixel, sample};
+        SampleId id{.pixel = pixel, .sample = sample, .media = media};
         Ray ray = cameraRay(camera, options, px, py, sample);
         if (variant) {
             id.rounding = Rounding(pixel, sample, *variant);
@@ -90,6 +90,7 @@ Picture render(const World& world, const PictureOptions& options, const std::fun
     const Crop part = options.crop.value_or(Crop{0, 0, options.width, options.height});
     RAIG_CHECK(part.liesIn(options.width, options.height));
     const size_t count = part.pixels();
+    const Nest media = mediaAround(world.geometry, world.media, dvec3(world.scene.cameras[options.camera].eye));
     Picture picture{part.width, part.height, std::vector<dvec3>(count), std::vector<double>(count),
                     std::vector<double>(count), std::vector<double>(count), std::vector<double>(count)};
     std::mutex mutex;
@@ -98,13 +99,13 @@ Picture render(const World& world, const PictureOptions& options, const std::fun
         for (size_t i = begin; i < end; ++i) {
             const auto px = part.x + static_cast<uint32_t>(i % part.width);
             const auto py = part.y + static_cast<uint32_t>(i / part.width);
-            const Radiance nominal = shadePixel(world, options, px, py, std::nullopt);
+            const Radiance nominal = shadePixel(world, options, media, px, py, std::nullopt);
             picture.radiance[i] = nominal.value;
             picture.discarded[i] = nominal.discarded;
             picture.brightest[i] = nominal.brightest;
             picture.depth[i] = nominal.depth;
             for (uint32_t variant = 0; variant < options.roundings; ++variant) {
-                const dvec3 moved = glm::abs(shadePixel(world, options, px, py, variant).value - nominal.value);
+                const dvec3 moved = glm::abs(shadePixel(world, options, media, px, py, variant).value - nominal.value);
                 picture.sensitivity[i] = std::max({picture.sensitivity[i], moved.x, moved.y, moved.z});
             }
         }

@@ -13,6 +13,50 @@ double largest(const dvec3& v) {
     return std::max({v.x, v.y, v.z});
 }
 
+/// What a ray passes from, and into, at a surface.
+struct Passing {
+    Nest here;    ///< the media that the ray is in
+    Nest beyond;  ///< ... will be in on the other side
+    double n1 = 1.0;
+    double n2 = 1.0;
+    dvec3 absorption{0.0};  ///< of what the ray has run through
+    bool isHidden = false;  ///< what it runs through goes on on the other side
+};
+
+double indexIn(const World& world, const Nest& nest) {
+    return nest.isEmpty() ? 1.0 : double{world.surfaces[nest.innermost()].ior};
+}
+
+dvec3 absorptionIn(const World& world, const Nest& nest) {
+    return nest.isEmpty() ? dvec3(0.0) : dvec3(world.surfaces[nest.innermost()].absorption);
+}
+
+Passing pass(const World& world, const SurfacePoint& p, const Nest& nest) {
+    const Surface& s = *p.surface;
+    Passing passing{.here = nest, .beyond = nest};
+    passing.absorption = absorptionIn(world, nest);
+    if (largest(s.transmission) <= 0.0) return passing;
+    passing.n2 = s.ior;
+    if (s.thin) return passing;
+    if (p.front) {
+        passing.n1 = indexIn(world, nest);
+        if (p.medium != noMedium) passing.beyond.enter(p.medium);
+        return passing;
+    }
+    passing.n1 = s.ior;
+    passing.absorption = s.absorption;
+    if (p.medium != noMedium) {
+        if (!passing.beyond.leave(p.medium)) {
+            passing.here.enter(p.medium);  // as no surface was seen where it was entered
+        } else if (nest.innermost() != p.medium) {
+            passing.isHidden = true;
+            passing.absorption = absorptionIn(world, nest);
+        }
+    }
+    passing.n2 = indexIn(world, passing.beyond);
+    return passing;
+}
+
 /// What a surface does with light that arrives along a ray.
 struct Scattering {
     dvec3 diffuse{0.0};
@@ -33,10 +77,8 @@ Scattering scatterOpaque(const SurfacePoint& p, double cosI) {
     return result;
 }
 
-Scattering scatterTransmissive(const SurfacePoint& p, const dvec3& d, double cosI) {
+Scattering scatterTransmissive(const SurfacePoint& p, const dvec3& d, double cosI, double n1, double n2) {
     const Surface& s = *p.surface;
-    const bool entering = s.thin || p.front;
-    const double n1 = entering ? 1.0 : double{s.ior}, n2 = entering ? double{s.ior} : 1.0;
     double reflectance = fresnel(cosI, n1, n2);
     Scattering result;
     if (s.thin) {
@@ -56,9 +98,10 @@ Scattering scatterTransmissive(const SurfacePoint& p, const dvec3& d, double cos
     return result;
 }
 
-Scattering scatter(const SurfacePoint& p, const dvec3& d) {
+Scattering scatter(const SurfacePoint& p, const dvec3& d, const Passing& passing) {
     const double cosI = std::min(1.0, -glm::dot(d, p.shadingNormal));
-    Scattering result = largest(p.surface->transmission) > 0.0 ? scatterTransmissive(p, d, cosI) : scatterOpaque(p, cosI);
+    Scattering result = largest(p.surface->transmission) > 0.0 ? scatterTransmissive(p, d, cosI, passing.n1, passing.n2)
+                                                               : scatterOpaque(p, cosI);
     result.reflected = reflect(d, p.shadingNormal);
     if (glm::dot(result.reflected, p.normal) <= 0.0) result.reflected = reflect(d, p.normal);
     result.reflected = glm::normalize(result.reflected);
@@ -79,20 +122,22 @@ public:
     Recursion(const World& world, const Bounds& bounds, const SampleId& id) : world_(world), bounds_(bounds), id_(id) {}
 
     /// The radiance along `ray`, times `weight`.
-    dvec3 trace(const Ray& ray, dvec3 weight, uint32_t depth, uint32_t key, uint32_t leaving) {
+    dvec3 trace(const Ray& ray, dvec3 weight, uint32_t depth, uint32_t key, uint32_t leaving, const Nest& nest) {
         const Hit hit = world_.tree.closest(ray, leaving);
         if (hit.primitive == noTriangle) return weight * skyRadiance(world_.scene.sky, ray.direction);
         const SurfacePoint p = surfaceAt(world_, ray, hit);
-        const Surface& s = *p.surface;
-        if (largest(s.transmission) > 0.0 && !s.thin && !p.front) weight *= glm::exp(-dvec3(s.absorption) * hit.t);
+        const Passing passing = pass(world_, p, nest);
+        weight *= glm::exp(-passing.absorption * hit.t);
+        if (passing.isHidden)
+            return follow(p, ray.direction, weight, -p.normal, depth, 2 * key + 2, hit.primitive, passing.beyond);
 
-        const Scattering scattering = scatter(p, ray.direction);
-        dvec3 radiance = weight * dvec3(s.emission);
+        const Scattering scattering = scatter(p, ray.direction, passing);
+        dvec3 radiance = weight * dvec3(p.surface->emission);
         if (largest(scattering.diffuse) > 0.0) radiance += weight * scattering.diffuse * directLight(p, hit.primitive, key);
-        radiance +=
-            follow(p, scattering.reflected, weight * scattering.reflection, p.normal, depth, 2 * key + 1, hit.primitive);
+        radiance += follow(p, scattering.reflected, weight * scattering.reflection, p.normal, depth, 2 * key + 1,
+                           hit.primitive, passing.here);
         radiance += follow(p, scattering.transmitted, weight * scattering.transmission, -p.normal, depth, 2 * key + 2,
-                           hit.primitive);
+                           hit.primitive, passing.beyond);
         return radiance;
     }
 
@@ -101,7 +146,7 @@ public:
 
 private:
     dvec3 follow(const SurfacePoint& p, const dvec3& direction, const dvec3& weight, const dvec3& side, uint32_t depth,
-                 uint32_t key, uint32_t leaving) {
+                 uint32_t key, uint32_t leaving, const Nest& nest) {
         if (largest(weight) <= 0.0) return dvec3(0.0);
         if (depth + 1 > bounds_.maxDepth || largest(weight) < bounds_.minContribution) {
             discarded_ += largest(weight);
@@ -111,7 +156,7 @@ private:
         child.origin = leave(p, side, id_, 4 * key);
         child.direction = id_.rounding.direction(direction, 4 * key + 1);
         depth_ = std::max(depth_, depth + 1);
-        const dvec3 weighted = trace(child, weight, depth + 1, key, leaving);
+        const dvec3 weighted = trace(child, weight, depth + 1, key, leaving, nest);
         for (int channel = 0; channel < 3; ++channel)
             if (weight[channel] > 0.0) brightest_ = std::max(brightest_, weighted[channel] / weight[channel]);
         return weighted;
@@ -164,7 +209,7 @@ private:
 
 Radiance traceRay(const World& world, const Ray& ray, const Bounds& bounds, const SampleId& id) {
     Recursion recursion(world, bounds, id);
-    return recursion.found(recursion.trace(ray, dvec3(1.0), 0, 0, noTriangle));
+    return recursion.found(recursion.trace(ray, dvec3(1.0), 0, 0, noTriangle, id.media));
 }
 
 }  // namespace raig::reference

@@ -18,6 +18,7 @@ struct SampleId {
     uint32_t pixel = 0;  ///< y * width + x
     uint32_t sample = 0;
     Rounding rounding{};
+    Nest media{};  ///< that the camera's ray starts in
 };
 
 struct Radiance {
@@ -34,7 +35,10 @@ struct Radiance {
 ///     triangle is in between (surfaces that transmit cast no shadow: a simplification);
 ///   - an opaque surface mirrors by `mirror`, growing to `gloss` at grazing [Schlick 1994]; one that transmits mirrors by
 ///     Fresnel's law and transmits the rest, bent by Snell's law unless thin, and what is inside absorbs by Beer and
-///     Lambert.
+///     Lambert;
+///   - what a ray runs through is what it entered last, and that is what it passes from; where it leaves a medium, but runs
+///     through one that it entered later, it goes straight on as if nothing were there [Schmidt and Budge 2002, "Simple
+///     Nested Dielectrics in Ray Traced Images"]. Media that are not closed are not remembered.
 /// A child ray is followed if its depth is at most maxDepth and the largest component of its weight, the product of
 /// reflectances and transmittances so far, is at least minContribution.
 ///

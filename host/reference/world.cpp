@@ -76,6 +76,7 @@ World::World(const Scene& s, const Geometry& g) : scene(s), geometry(g), tree(g)
         surfaces.push_back(surfaceOf(material));
         seeThrough.push_back(largest(surfaces.back().transmission) > 0.0);
     }
+    media = closedMedia(geometry, surfaces);
     emitters = findEmitters(geometry, surfaces);
     for (int byte = 0; byte < 256; ++byte) {
         const double encoded = byte / 255.0;
@@ -108,6 +109,7 @@ SurfacePoint pointOnSphere(const World& world, const Ray& ray, const Hit& hit) {
     const dvec3 centre(sphere.centre);
     SurfacePoint p{};
     p.surface = &world.surfaces[world.geometry.materials[hit.primitive]];
+    p.medium = world.media[world.geometry.materials[hit.primitive]];
     p.faceNormal = glm::normalize(ray.origin + hit.t * ray.direction - centre);
     p.position = centre + double{sphere.radius} * p.faceNormal;
     p.front = glm::dot(ray.direction, p.faceNormal) < 0.0;
@@ -128,6 +130,7 @@ SurfacePoint surfaceAt(const World& world, const Ray& ray, const Hit& hit) {
 
     SurfacePoint p{};
     p.surface = &world.surfaces[material];
+    p.medium = world.media[material];
     p.position = weights.x * corners.a + weights.y * corners.b + weights.z * corners.c;
     p.faceNormal = glm::normalize(glm::cross(corners.b - corners.a, corners.c - corners.a));
     p.front = glm::dot(ray.direction, p.faceNormal) < 0.0;

@@ -1,6 +1,7 @@
 /// What the reference shades with: surfaces, textures and lights of a scene, looked up in double precision.
 #pragma once
 
+#include "reference/media.hpp"
 #include "reference/tree.hpp"
 #include "scene/surface.hpp"
 
@@ -22,6 +23,7 @@ struct World {
     Tree tree;
     std::vector<Surface> surfaces;    ///< one a material
     std::vector<uint8_t> seeThrough;  ///< one a material: 1 where it transmits, and so casts no shadow
+    std::vector<uint32_t> media;      ///< one a material: closedMedia()
     Emitters emitters;
     std::array<double, 256> linear{};  ///< the radiance an sRGB byte stands for
 
@@ -32,6 +34,7 @@ struct World {
 /// A point on a surface, as shading needs it.
 struct SurfacePoint {
     const Surface* surface;
+    uint32_t medium;      ///< that it holds, or noMedium
     dvec3 position;
     dvec3 faceNormal;     ///< unit, by the corners' order; of a sphere, outwards
     dvec3 normal;         ///< unit, the face's, turned against the ray

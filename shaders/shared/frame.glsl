@@ -45,8 +45,8 @@ struct FrameParams {
     uint partHeight;
     float lensRadius;        // in scene units
     float lensSlope;         // the lens's radius over the distance at which the picture is sharp
-    uint unused0;
-    uint unused1;
+    uint mediaAt;            // air, then the media, by number
+    uint eyeMedia;           // those that the eye is in: see shaders/media.glsl
 };
 
 // One dispatch over a list of slots.
@@ -73,8 +73,8 @@ struct PathState {
     uint pendingCount;   // rays of this sample yet to be followed
     uint shadowRays;     // asked for so far, in all samples
     uint deepest;        // depth reached, in all samples
-    uint unused0;
-    uint unused1;
+    uint media;          // what the ray is in: see shaders/media.glsl
+    uint forgotten;      // how often more was entered than that holds, in all samples
 };
 
 // A ray that waits to be followed.
@@ -84,7 +84,7 @@ struct PendingRay {
     vec3 direction;
     uint key;
     vec3 weight;
-    float unused;
+    uint media;
 };
 
 // A finished pixel.
@@ -94,7 +94,7 @@ struct PixelResult {
     uint pixel;
     uint shadowRays;
     uint deepest;
-    uint unused;
+    uint forgotten;
 };
 
 // What the ray through a pixel's centre meets first. Where it meets nothing depth is infinite, the ids are NO_HIT, all else 0.
@@ -126,6 +126,7 @@ CONSTANT uint FEATURE_EMITTERS = 128u;
 CONSTANT uint FEATURE_SPHERES = 256u;
 CONSTANT uint FEATURE_INSTANCES = 512u;    // meshes are stored once, in their own space
 CONSTANT uint FEATURE_LENS = 1024u;        // the camera is no pinhole
+CONSTANT uint FEATURE_NESTED = 2048u;      // media may lie within each other, or hold other things
 
 // The scene's data is an array of uvec4. A triangle is one element: its vertices and its material; and so is a sphere in its
 // place: where it is among the spheres, NO_VERTEX, NO_VERTEX, material. A sphere is one element: centre, radius. A vertex is
@@ -134,8 +135,8 @@ CONSTANT uint FEATURE_LENS = 1024u;        // the camera is no pinhole
 // NormalPlacement with first id | where its mesh's triangles begin, less the first id (modulo 2^32) | its first sphere << 1,
 // and 1 if corners 1 and 2 change places. An emitter is one element: cumulated probability,
 // triangle, area, 0. Textures: one element each (first texel's element, width, height, wraps), then the texels, four an
-// element.
-CONSTANT uint MATERIAL_STRIDE = 5u;  // diffuse gloss | mirror ior | transmission flags | absorption texture | emission 0
+// element. Media: one element each (absorption, refraction index), air first.
+CONSTANT uint MATERIAL_STRIDE = 5u;  // diffuse gloss | mirror ior | transmission flags | absorption texture | emission medium
 CONSTANT uint FRAME_INSTANCE_STRIDE = 6u;
 CONSTANT uint LIGHT_STRIDE = 4u;     // position type | direction range | intensity cos(outer) | cos(inner) shadows 0 0
 
