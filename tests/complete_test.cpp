@@ -181,6 +181,60 @@ TEST(CompleteScene, AnEmittingTriangleIsALightAnUnusedMaterialIsNone) {
     EXPECT_EQ(lit.lights.size(), 1u) << "a mesh that no instance shows lights nothing";
 }
 
+/// The unit cube's faces, seen from within; `lacks` is left out.
+Scene room(int lacks) {
+    Scene scene = triangleScene({}, {}, {});
+    Mesh& mesh = scene.meshes[0] = {};
+    for (int face = 0; face < 6; ++face) {
+        if (face == lacks) continue;
+        const int axis = face / 2;
+        vec3 corner(0.0f), right(0.0f), up(0.0f);
+        corner[axis] = static_cast<float>(face % 2);
+        right[(axis + 1) % 3] = up[(axis + 2) % 3] = 1.0f;
+        if (face % 2) std::swap(right, up);
+        const auto first = static_cast<uint32_t>(mesh.positions.size());
+        mesh.positions.insert(mesh.positions.end(), {corner, corner + right, corner + right + up, corner + up});
+        mesh.triangles.insert(mesh.triangles.end(), {{first, first + 1, first + 2}, {first, first + 2, first + 3}});
+    }
+    mesh.materials.assign(mesh.triangles.size(), 0);
+    scene.materials[0].emission = vec3(1.0f);
+    return scene;
+}
+
+TEST(CompleteScene, LooksIntoARoomThroughTheWallThatItLacks) {
+    const vec3 into[] = {{1, 0, 0}, {-1, 0, 0}, {}, {}, {0, 0, 1}, {0, 0, -1}};
+    for (int lacks = 0; lacks < 6; ++lacks) {
+        Scene scene = room(lacks), mirrored = room(lacks), dark = room(lacks);
+        mirrored.instances[0].toWorld[0][0] = -1.0;
+        dark.materials[0].emission = vec3(0.0f);
+        for (Scene* each : {&scene, &mirrored, &dark}) completeScene(*each);
+        const vec3 standard = dark.cameras[0].forward;
+        const bool isOpenAside = into[lacks] != vec3(0.0f);
+        EXPECT_EQ(scene.cameras[0].forward, isOpenAside ? into[lacks] : standard) << lacks;
+        EXPECT_EQ(mirrored.cameras[0].forward, isOpenAside ? into[lacks] * vec3(-1, 1, 1) : standard) << lacks;
+        EXPECT_NEAR(farthestInFrame(scene.cameras[0], scene.meshes[0].positions), 0.95, 1e-5) << lacks;
+    }
+    Scene closed = room(-1);
+    completeScene(closed);
+    EXPECT_EQ(closed.cameras[0].name, "three-quarter view");
+}
+
+TEST(CompleteScene, GivesASunTheSkyAndTheFaintLightThatGoWithIt) {
+    Scene one = triangleScene({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), two = one;
+    for (Scene* scene : {&one, &two}) {
+        Light& sun = scene->lights.emplace_back();
+        sun.type = Light::Type::directional;
+        sun.intensity = vec3(3.14159265f);
+    }
+    two.lights.push_back(two.lights[0]);
+    completeScene(one);
+    completeScene(two);
+    EXPECT_GT(one.sky.horizon.x, 0.5f);
+    EXPECT_FLOAT_EQ(one.ambient.x, 0.03f);
+    EXPECT_FLOAT_EQ(two.ambient.x, 0.06f);
+    EXPECT_FLOAT_EQ(two.sky.zenith.z, 2.0f * one.sky.zenith.z);
+}
+
 TEST(CompleteScene, SceneWithNothingToSeeGetsACameraAllTheSame) {
     for (Scene scene :
          {Scene{}, triangleScene({nan, 0, 0}, {1, 0, 0}, {0, 1, 0}), triangleScene({0, 0, 0}, {1, 1, 1}, {2, 2, 2})}) {

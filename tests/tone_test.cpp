@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
 
 namespace raig {
@@ -139,7 +140,7 @@ TEST(ToneCurves, TakeEveryLight) {
 class ToneCommand : public testing::Test {
 protected:
     ProgramResult render(const std::string& file, std::vector<std::string> arguments) {
-        const std::vector<std::string> all{"render",   RAIG_SOURCE_DIR "/assets/cornell_box.gltf",
+        const std::vector<std::string> all{"render",   scene,
                                            "-o",       pathOf(file),
                                            "--size",   "24x24",
                                            "--spp",    "1",
@@ -155,6 +156,7 @@ protected:
     }
     std::string pathOf(const std::string& name) { return (place / name).string(); }
 
+    std::string scene = RAIG_SOURCE_DIR "/assets/cornell_box.gltf";
     const Folder folder;
     const std::filesystem::path place = folder.write("made", "").parent_path();
 };
@@ -180,6 +182,29 @@ TEST_F(ToneCommand, ExposesByItselfAndSaysHow) {
     EXPECT_EQ(json["tonemap"], "none");
     EXPECT_NE(result.errors.find("exposure: "), std::string::npos) << result.errors;
     EXPECT_NEAR(*suitableStops(readPicture(pathOf("auto.pfm"))), 0.0, 1e-5);
+}
+
+TEST_F(ToneCommand, ShowsWhatWouldBeTooDarkOrTooBrightInPngsOnly) {
+    const Image light = picture("light.pfm", {});
+    for (const double factor : {1e-3, 1e3}) {
+        auto file = nlohmann::json::parse(std::ifstream(RAIG_SOURCE_DIR "/assets/cornell_box.gltf"));
+        for (auto& material : file["materials"]) {
+            if (!material.contains("extensions")) continue;
+            auto& strength = material["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"];
+            strength = factor * strength.get<double>();
+        }
+        scene = folder.write("scene.gltf", file.dump()).string();
+        const ProgramResult seen = render("seen.png", {"--json"}), kept = render("kept.pfm", {"--json"}),
+                            asked = render("asked.png", {"--json", "--exposure", "0"});
+        const auto stopsOf = [](const ProgramResult& result) {
+            EXPECT_EQ(result.exitCode, 0) << result.errors;
+            return nlohmann::json::parse(result.output)["exposure"].get<double>();
+        };
+        EXPECT_NEAR(stopsOf(seen), *suitableStops(readPicture(pathOf("kept.pfm"))), 1e-12);
+        EXPECT_NE(seen.errors.find("--exposure 0 shows light as it is"), std::string::npos) << seen.errors;
+        EXPECT_EQ(stopsOf(kept), 0.0);
+        EXPECT_EQ(stopsOf(asked), 0.0);
+    }
 }
 
 TEST_F(ToneCommand, RefusesCurvesWhereLightIsKeptAndWhatThereIsNot) {

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <fstream>
+
 namespace raig {
 namespace {
 
@@ -69,6 +71,30 @@ TEST_F(ViewCommand, APartHasTheBitsOfTheWhole) {
     ASSERT_EQ(part.height, 13u);
     for (uint32_t y = 0; y < 13; ++y)
         for (uint32_t x = 0; x < 21; ++x) EXPECT_EQ(part.at(x, y), whole.at(9 + x, 4 + y));
+}
+
+TEST_F(ViewCommand, APictureWithoutASizeHasTheShapeThatTheCameraAsksFor) {
+    auto file = nlohmann::json::parse(std::ifstream(box));
+    const auto sizeOf = [&](const nlohmann::json& aspect) {
+        file["cameras"][0]["perspective"]["aspectRatio"] = aspect;
+        const std::string scene = folder.write("shaped.gltf", file.dump()).string();
+        const ProgramResult result = runProgram(RAIG_PROGRAM, {"render", scene, "-o", pathOf("shaped.pfm"), "--device", "cpu",
+                                                               "--spp", "1", "--max-depth", "0", "--json"});
+        EXPECT_EQ(result.exitCode, 0) << result.errors;
+        const auto json = nlohmann::json::parse(result.output);
+        return std::pair(json["width"].get<int>(), json["height"].get<int>());
+    };
+    EXPECT_EQ(sizeOf(1.0), std::pair(512, 512));
+    EXPECT_EQ(sizeOf(4.0), std::pair(1024, 256));
+    EXPECT_EQ(sizeOf(16.0 / 9.0), std::pair(683, 384));
+    EXPECT_EQ(sizeOf(1e-12), std::pair(1, 65536));
+    const std::string wide = pathOf("shaped.gltf");
+    file["cameras"][0]["perspective"]["aspectRatio"] = 4.0;
+    folder.write("shaped.gltf", file.dump());
+    expectRefused(wide, {"--crop", "0,0,8,257"}, "is not in the picture, which has 1024 x 256 pixels");
+    const ProgramResult part =
+        runProgram(RAIG_PROGRAM, {"render", wide, "-o", pathOf("part.pfm"), "--device", "cpu", "--crop", "1000,200,24,56"});
+    EXPECT_EQ(part.exitCode, 0) << part.errors;
 }
 
 TEST_F(ViewCommand, CompareTakesViewsAndParts) {

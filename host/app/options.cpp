@@ -164,23 +164,12 @@ void addStructure(CLI::App& app, Options& options, const std::string& more = "au
 
 /// `side` is the command's default size, in pixels both ways.
 void addPicture(CLI::App& app, Options& options, uint32_t side) {
-    const auto parseSize = [&options](const std::string& text) {
-        const size_t cross = text.find('x');
-        const auto width = wholeNumber(text.substr(0, cross), 1, 65536);
-        const auto height = cross == text.npos ? std::nullopt : wholeNumber(text.substr(cross + 1), 1, 65536);
-        if (!width || !height) throw usageError("--size {}: WIDTHxHEIGHT is wanted, each from 1 to 65536", text);
-        options.width = *width;
-        options.height = *height;
-    };
     const auto parseContribution = [&options](const std::string& text) {
         const std::optional<double> value = fraction(text);
         if (!value) throw usageError("--min-contribution {}: a number or fraction from 0 to 1 is wanted, as 1/512", text);
         options.minContribution = *value;
     };
-    app.preparse_callback([&options, side](size_t) { options.width = options.height = side; });
-    app.add_option_function<std::string>("--size", parseSize, fmt::format("of the picture (default: {0}x{0})", side))
-        ->type_name("WxH");
-    addViewOptions(app, options);
+    addViewOptions(app, options, side);
     addWholeNumber(app, "--max-depth", options.maxDepth, 0, 64,
                    "levels of reflection and refraction, NIVELL_MAX (default: 8)");
     app.add_option_function<std::string>("--min-contribution", parseContribution,

@@ -18,6 +18,12 @@ namespace raig {
 
 enum class Command { render, trace, compare, bench, chart, stress, info, devices };
 
+enum class Exposure {
+    legible,   ///< a png in which hardly anything could be told apart as suits it, all else as it is
+    suitable,  ///< as suits the picture
+    stops,     ///< as is asked for
+};
+
 /// All options of all commands; each command reads its own and finds the defaults in the rest. Choices that only a part of
 /// the program knows (structures, walks, builders, devices, cameras) stay names, checked by that part with a usageError.
 struct Options {
@@ -45,6 +51,7 @@ struct Options {
     // Pictures: render, and compare of a scene.
     uint32_t width = 512;                  ///< compare: 256 where --size is not given, as the reference takes its time
     uint32_t height = 512;
+    bool sizeIsGiven = false;              ///< else as many pixels as these are in the shape that the camera asks for
     std::string camera;                    ///< a name or an index in the file; empty: the first
     ViewChange viewChange;                 ///< of that camera
     std::optional<Crop> crop;              ///< only this part of the picture; it lies in it
@@ -55,7 +62,8 @@ struct Options {
     uint32_t samples = 0;                  ///< a pixel; 0: the command's own default
 
     // render.
-    std::optional<double> exposure = 0.0;  ///< in stops; nothing: as suits the picture
+    Exposure exposure = Exposure::legible;
+    double stops = 0.0;                    ///< Exposure::stops
     Tone tone = Tone::none;                ///< none unless `output` is a png
     std::vector<Aov> aovs;                 ///< to be written; each once
     std::optional<Aov> view;               ///< what the picture shows instead of light

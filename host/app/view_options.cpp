@@ -6,8 +6,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <numbers>
 
 namespace raig {
@@ -26,6 +28,26 @@ std::optional<std::array<Number, N>> numbersOf(std::string_view text) {
         at = next + 1;
     }
     return values;
+}
+
+void addSize(CLI::App& command, Options& options, uint32_t side) {
+    const auto parse = [&options](const std::string& text) {
+        std::string numbers = text;
+        std::replace(numbers.begin(), numbers.end(), 'x', ',');
+        const auto size = text.find(',') == text.npos ? numbersOf<uint32_t, 2>(numbers) : std::nullopt;
+        const auto isSide = [](uint32_t pixels) { return pixels >= 1 && pixels <= 65536; };
+        if (!size || !isSide((*size)[0]) || !isSide((*size)[1]))
+            throw usageError("--size {}: WIDTHxHEIGHT is wanted, each from 1 to 65536", text);
+        options.width = (*size)[0];
+        options.height = (*size)[1];
+        options.sizeIsGiven = true;
+    };
+    command.preparse_callback([&options, side](size_t) { options.width = options.height = side; });
+    command
+        .add_option_function<std::string>(
+            "--size", parse,
+            fmt::format("of the picture (default: {0}x{0}, or as many pixels in the shape that the camera asks for)", side))
+        ->type_name("WxH");
 }
 
 void addVector(CLI::App& command, const std::string& name, std::optional<vec3>& value, const std::string& description) {
@@ -100,6 +122,22 @@ float focusOf(const Options& options, const Camera& camera) {
     return static_cast<float>(distance);
 }
 
+/// Throws usageError for a part that is not in the picture.
+void checkCrop(const std::optional<Crop>& crop, uint32_t width, uint32_t height) {
+    if (crop && !crop->liesIn(width, height))
+        throw usageError("--crop {},{},{},{}: is not in the picture, which has {} x {} pixels", crop->x, crop->y,
+                         crop->width, crop->height, width, height);
+}
+
+/// Gives the frame as many pixels as it has, nearly, in the shape that the camera asks for, if it does.
+void takeShape(const Camera& camera, FrameOptions& frame) {
+    if (!(camera.aspect > 0.0f)) return;
+    const double stretch = std::sqrt(double{camera.aspect});
+    const auto pixels = [](double side) { return static_cast<uint32_t>(std::clamp(std::round(side), 1.0, 65536.0)); };
+    frame.width = pixels(frame.width * stretch);
+    frame.height = pixels(frame.height / stretch);
+}
+
 }  // namespace
 
 const char* const viewHelp =
@@ -107,7 +145,8 @@ const char* const viewHelp =
     "camera of the file keeps its direction, and raig's own view the point in its middle. A camera that is turned has\n"
     "+Y up, unless --up is given; --up alone tilts it.\n";
 
-void addViewOptions(CLI::App& command, Options& options) {
+void addViewOptions(CLI::App& command, Options& options, uint32_t side) {
+    addSize(command, options, side);
     command.add_option("--camera", options.camera, "a camera of the file, by name or index (default: the first)")
         ->type_name("CAMERA");
     addVector(command, "--eye", options.viewChange.eye, "where the camera stands");
@@ -120,9 +159,7 @@ void addViewOptions(CLI::App& command, Options& options) {
 }
 
 void checkViewOptions(const Options& options) {
-    if (options.crop && !options.crop->liesIn(options.width, options.height))
-        throw usageError("--crop {},{},{},{}: is not in the picture, which has {} x {} pixels", options.crop->x,
-                         options.crop->y, options.crop->width, options.crop->height, options.width, options.height);
+    if (options.sizeIsGiven) checkCrop(options.crop, options.width, options.height);
     if (options.focus && options.aperture == 0.0f)
         throw usageError("--focus {}: without a lens all is sharp; give its diameter by --aperture", *options.focus);
     // With these two given, no direction of the scene's camera matters.
@@ -143,6 +180,8 @@ FrameOptions frameOptions(const Options& options, Scene& scene, uint32_t default
     Camera& camera = scene.cameras[frame.camera];
     camera = changedView(camera, options.viewChange);
     turnHeadlights(scene, camera);
+    if (!options.sizeIsGiven) takeShape(camera, frame);
+    checkCrop(frame.crop, frame.width, frame.height);
     if (options.aperture > 0.0f) {
         frame.aperture = options.aperture;
         frame.focus = focusOf(options, camera);

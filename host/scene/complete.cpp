@@ -34,7 +34,8 @@ struct ThreeQuarters {
     static constexpr double yfov = 0.78539816339744831;  // 45 degrees
     static constexpr double share = 0.95;                // of the frame that the subject may take
 
-    explicit ThreeQuarters(const Box& framed) : centre(0.5 * (dvec3(framed.lo) + dvec3(framed.hi))) {}
+    ThreeQuarters(const Box& framed, const dvec3& towardsEye)
+        : centre(0.5 * (dvec3(framed.lo) + dvec3(framed.hi))), forward(-glm::normalize(towardsEye)) {}
 
     double distanceFor(const vec3& point) const {
         const dvec3 p = dvec3(point) - centre;
@@ -43,15 +44,15 @@ struct ThreeQuarters {
     }
 
     dvec3 centre;
-    dvec3 forward = -glm::normalize(dvec3(0.5, 0.35, 1.0));
+    dvec3 forward;
     dvec3 right = glm::normalize(glm::cross(forward, dvec3(0.0, 1.0, 0.0)));
     dvec3 up = glm::cross(right, forward);
     double slope = share * std::tan(yfov / 2.0);
 };
 
 /// Of the points inside `framed`, one that asks the standard view to be farthest away; none if there is none.
-std::vector<vec3> decidingPoints(const std::vector<vec3>& points, const Box& framed) {
-    const ThreeQuarters view(framed);
+std::vector<vec3> decidingPoints(const std::vector<vec3>& points, const Box& framed, const dvec3& towardsEye) {
+    const ThreeQuarters view(framed, towardsEye);
     std::vector<vec3> deciding;
     for (const vec3& point : points) {
         if (!framed.contains(Box{point, point})) continue;
@@ -133,31 +134,16 @@ private:
 };
 
 /// Twice over the instances, so that of each only the points which the view depends on stay in memory.
-Subject findSubject(const Scene& scene) {
+Subject findSubject(const Scene& scene, const dvec3& towardsEye) {
     const Placer placer(scene);
     Subject subject;
     for (const Instance& instance : scene.instances) subject.bounds.grow(placer.place(instance).bounds);
     if (subject.bounds.empty()) return subject;
     for (const Instance& instance : scene.instances) {
-        const std::vector<vec3> deciding = decidingPoints(placer.place(instance).points, subject.bounds);
+        const std::vector<vec3> deciding = decidingPoints(placer.place(instance).points, subject.bounds, towardsEye);
         subject.points.insert(subject.points.end(), deciding.begin(), deciding.end());
     }
     return subject;
-}
-
-void addCamera(Scene& scene) {
-    Subject subject = findSubject(scene);
-    const bool isEmpty = subject.bounds.empty();
-    if (isEmpty) {
-        // Nothing to look at: look at a unit box around the origin.
-        subject.bounds = {vec3(-0.5f), vec3(0.5f)};
-        subject.points.clear();
-        for (unsigned corner = 0; corner < 8; ++corner)
-            subject.points.emplace_back(corner & 1 ? 0.5f : -0.5f, corner & 2 ? 0.5f : -0.5f, corner & 4 ? 0.5f : -0.5f);
-    }
-    scene.cameras.push_back(threeQuarterView(subject.points, subject.bounds));
-    scene.remarks.emplace_back(isEmpty ? "no camera and nothing to see: a three-quarter view of a unit box is used"
-                                       : "no camera: a three-quarter view of the whole scene is used");
 }
 
 bool emits(const Scene& scene) {
@@ -175,12 +161,91 @@ bool emits(const Scene& scene) {
     });
 }
 
+/// The sum of the areas of all front faces, as a vector: 0 for closed surfaces, else what faces the openings.
+dvec3 sumOfFaces(const Scene& scene, double& area) {
+    dvec3 sum(0.0);
+    for (const Instance& instance : scene.instances) {
+        const Mesh& mesh = scene.meshes[instance.mesh];
+        const Placement placement = placementOf(instance.toWorld);
+        const double side = glm::determinant(glm::mat<3, 3, double>(instance.toWorld)) < 0.0 ? -1.0 : 1.0;
+        for (const uvec3& t : mesh.triangles) {
+            const vec3 a = placePoint(placement, mesh.positions[t.x]), b = placePoint(placement, mesh.positions[t.y]),
+                       c = placePoint(placement, mesh.positions[t.z]);
+            if (!isUsable(a, b, c)) continue;
+            const dvec3 face = glm::cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a));
+            sum += side * face;
+            area += glm::length(face);
+        }
+    }
+    return sum;
+}
+
+/// The horizontal axis from which a room that is lit from within, without a front wall, is looked into; nothing for what
+/// is closed, or open at the top only.
+std::optional<dvec3> findOpening(const Scene& scene) {
+    uint64_t work = 0;
+    for (const Instance& instance : scene.instances) work += scene.meshes[instance.mesh].triangles.size();
+    if (work > uint64_t{1} << 24) return std::nullopt;
+    double area = 0.0;
+    const dvec3 faces = sumOfFaces(scene, area);
+    const bool isAlongX = std::abs(faces.x) > std::abs(faces.z);
+    const double most = isAlongX ? faces.x : faces.z;
+    if (!(std::abs(most) > 0.05 * area)) return std::nullopt;
+    const double sign = most > 0.0 ? 1.0 : -1.0;
+    return isAlongX ? dvec3(sign, 0.0, 0.0) : dvec3(0.0, 0.0, sign);
+}
+
+void addCamera(Scene& scene) {
+    const bool isLit = !scene.lights.empty() || emits(scene);
+    const std::optional<dvec3> opening = isLit ? findOpening(scene) : std::nullopt;
+    const dvec3 towardsEye = opening.value_or(threeQuarters);
+    Subject subject = findSubject(scene, towardsEye);
+    const bool isEmpty = subject.bounds.empty();
+    if (isEmpty) {
+        // Nothing to look at: look at a unit box around the origin.
+        subject.bounds = {vec3(-0.5f), vec3(0.5f)};
+        subject.points.clear();
+        for (unsigned corner = 0; corner < 8; ++corner)
+            subject.points.emplace_back(corner & 1 ? 0.5f : -0.5f, corner & 2 ? 0.5f : -0.5f, corner & 4 ? 0.5f : -0.5f);
+    }
+    scene.cameras.push_back(threeQuarterView(subject.points, subject.bounds, towardsEye));
+    scene.remarks.emplace_back(isEmpty   ? "no camera and nothing to see: a three-quarter view of a unit box is used"
+                               : opening ? "no camera: a view into the scene through its open side is used"
+                                         : "no camera: a three-quarter view of the whole scene is used");
+}
+
 /// What surfaces send each other is not traced; where the file says nothing of it, a faint light from everywhere stands in,
 /// so that places no light reaches directly can be told from nothing.
 constexpr float faintAmbient = 0.03f;
 
-/// A directional light whose irradiance of pi makes a white diffuse surface that faces it exactly 1 bright, and a sky, so
-/// that mirrors and glass have something to show.
+/// The sky where the file has none, so that mirrors and glass have something to show. It goes with a sun whose irradiance is pi.
+constexpr Sky daySky = {.zenith = {0.28f, 0.44f, 0.72f}, .horizon = {0.85f, 0.88f, 0.92f}, .ground = {0.19f, 0.16f, 0.13f}};
+
+/// The irradiance of all suns: a directional light comes from outdoors.
+double sunlight(const Scene& scene) {
+    double sum = 0.0;
+    for (const Light& light : scene.lights)
+        if (light.type == Light::Type::directional)
+            sum += glm::dot(dvec3(light.intensity), dvec3(0.2126, 0.7152, 0.0722));
+    return std::min(sum, 1e30);
+}
+
+/// What surfaces and the sky would add to the file's own light.
+void addEnvironment(Scene& scene) {
+    scene.ambient = vec3(faintAmbient);
+    const double sun = sunlight(scene);
+    if (!(sun > 0.0)) {
+        scene.remarks.push_back(fmt::format("no environment: a faint ambient light ({}) is used", faintAmbient));
+        return;
+    }
+    const auto scale = static_cast<float>(sun / 3.14159265);
+    scene.sky = {scale * daySky.zenith, scale * daySky.horizon, scale * daySky.ground};
+    scene.ambient *= scale;
+    scene.remarks.push_back(
+        fmt::format("no environment: a sky that goes with the sun, and a faint ambient light ({:.3g}) are used", scene.ambient.x));
+}
+
+/// A directional light whose irradiance of pi makes a white diffuse surface that faces it exactly 1 bright, and a sky.
 void addLight(Scene& scene) {
     Light headlight;
     headlight.type = Light::Type::directional;
@@ -188,7 +253,7 @@ void addLight(Scene& scene) {
     headlight.intensity = vec3(3.14159265f);
     headlight.castsShadows = false;  // or a room's own walls would keep it out
     scene.lights.push_back(headlight);
-    scene.sky = {.zenith = {0.28f, 0.44f, 0.72f}, .horizon = {0.85f, 0.88f, 0.92f}, .ground = {0.19f, 0.16f, 0.13f}};
+    scene.sky = daySky;
     scene.ambient = vec3(0.12f);
     scene.remarks.emplace_back("no light: a headlight along the camera, a sky and some ambient light are used");
 }
@@ -205,14 +270,13 @@ void completeScene(Scene& scene) {
     if (scene.lights.empty() && !emits(scene)) {
         addLight(scene);
     } else {
-        scene.ambient = vec3(faintAmbient);
-        scene.remarks.push_back(fmt::format("no environment: a faint ambient light ({}) is used", faintAmbient));
+        addEnvironment(scene);
     }
 }
 
-Camera threeQuarterView(const std::vector<vec3>& points, const Box& framed) {
+Camera threeQuarterView(const std::vector<vec3>& points, const Box& framed, const dvec3& towardsEye) {
     RAIG_CHECK(!framed.empty() && isFinite(framed.lo) && isFinite(framed.hi));
-    const ThreeQuarters view(framed);
+    const ThreeQuarters view(framed, towardsEye);
     double distance = -std::numeric_limits<double>::infinity();
     for (const vec3& point : points)
         if (framed.contains(Box{point, point})) distance = std::max(distance, view.distanceFor(point));
@@ -220,7 +284,7 @@ Camera threeQuarterView(const std::vector<vec3>& points, const Box& framed) {
     if (!(distance > 0.0)) distance = std::max(glm::length(dvec3(framed.extent())), 1e-3);
 
     Camera camera;
-    camera.name = "three-quarter view";
+    camera.name = towardsEye == threeQuarters ? "three-quarter view" : "view along an axis";
     camera.eye = vec3(view.centre - distance * view.forward);
     camera.forward = vec3(view.forward);
     camera.right = vec3(view.right);

@@ -25,15 +25,21 @@ Scene importStl(const std::filesystem::path& path);   ///< ASCII and binary (sce
 /// Adds what a picture needs and the file lacks, each with a remark: a material; a camera in a three-quarter view that
 /// frames the usable triangles (PEERS' standard camera); and, if there is neither a light nor an emitting triangle, a
 /// headlight (directional, along the first camera, irradiance pi, without shadows) with a sky and some ambient light. A
-/// scene with light of its own gets a faint ambient light for what surfaces would send each other.
+/// scene with light of its own gets a faint ambient light for what surfaces would send each other; if a sun is among it,
+/// both as bright as goes with the sun, and a sky. A scene that is lit, and whose faces leave an open side, as a room without
+/// a front wall does, is looked into through that, along an axis.
 /// Where instances show more than 2^27 vertices and primitives, the view frames the boxes of meshes that stand in more than
 /// four places, instead of their triangles; so the cost stays O(vertices, primitives and instances stored).
 /// Throws limitError as checkPrimitiveCount does.
 void completeScene(Scene& scene);
 
-/// The tightest three-quarter view of `points` (finite ones): centre c of `framed`, towards normalize(0.5, 0.35, 1),
-/// up +Y, 45 degrees, every point of `points` inside `framed` within the middle 95 % of a square frame.
-Camera threeQuarterView(const std::vector<vec3>& points, const Box& framed);
+/// From where the standard view is seen, as a direction from the centre.
+constexpr dvec3 threeQuarters{0.5, 0.35, 1.0};
+
+/// The tightest view of `points` (finite ones) from one direction: the eye in the direction of `towardsEye` (not +-Y) from
+/// the centre of `framed`, up +Y, 45 degrees, every point of `points` inside `framed` within the middle 95 % of a square
+/// frame.
+Camera threeQuarterView(const std::vector<vec3>& points, const Box& framed, const dvec3& towardsEye = threeQuarters);
 
 /// Decodes a PNG or JPEG (or what else stb_image reads) into sRGB texels. Throws inputError naming `place`; limitError
 /// beyond 16384 x 16384.
