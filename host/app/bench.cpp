@@ -89,8 +89,8 @@ void remark(const BenchReport& report) {
     }
 }
 
-SceneBenches benchScene(const std::filesystem::path& file, const BenchSettings& settings) {
-    const Geometry geometry = flatten(importScene(file));
+SceneBenches benchScene(const std::filesystem::path& file, const Moment& moment, const BenchSettings& settings) {
+    const Geometry geometry = flatten(importScene(file, moment));
     SceneBenches benches{file.filename().string(), geometry.triangles.size(), describeOptions(settings.params), {}};
     {
         Progress progress(benches.scene);
@@ -143,7 +143,7 @@ int bench(const Options& options) {
     Json document = describeRun(settings.devices);
     std::vector<std::string> withoutDriver;
     for (const std::filesystem::path& file : options.inputs) {
-        const SceneBenches benches = benchScene(file, settings);
+        const SceneBenches benches = benchScene(file, options.moment, settings);
         addJson(document, benches);
         for (const std::string& why : benches.report.withoutDriver)
             withoutDriver.push_back(fmt::format("not measured in {}: {}", benches.scene, why));

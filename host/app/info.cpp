@@ -64,7 +64,7 @@ void warnOfSlowStructures(Survey& survey) {
 
 Survey surveyScene(const Options& options) {
     Survey survey;
-    survey.scene = importScene(options.inputs.front());
+    survey.scene = importScene(options.inputs.front(), options.moment);
     survey.geometry = flatten(survey.scene);
     survey.counts = countTriangles(survey.scene, worthwhile);
     const std::vector<Primitive> triangles = primitivesOf(survey.geometry);
@@ -86,6 +86,23 @@ Json toJson(const vec3& v) {
     return {v.x, v.y, v.z};
 }
 
+Json clipsJson(const Scene& scene) {
+    Json clips = Json::array();
+    for (const Clip& clip : scene.clips) clips.push_back({{"name", clip.name}, {"seconds", clip.seconds}});
+    return clips;
+}
+
+std::string describeClips(const Scene& scene) {
+    constexpr size_t shown = 8;
+    std::string text;
+    for (size_t i = 0; i < std::min(shown, scene.clips.size()); ++i) {
+        const Clip& clip = scene.clips[i];
+        text += fmt::format("{}{} {} ({:.4g} s)", i ? ", " : "", i, clip.name.empty() ? "(unnamed)" : clip.name,
+                            clip.seconds);
+    }
+    return scene.clips.size() > shown ? fmt::format("{} and {} more", text, scene.clips.size() - shown) : text;
+}
+
 Json sceneJson(const Options& options, const Survey& survey) {
     const SceneNumbers& numbers = survey.numbers;
     const Scene& scene = survey.scene;
@@ -105,6 +122,7 @@ Json sceneJson(const Options& options, const Survey& survey) {
             {"materials", scene.materials.size()},
             {"used_materials", survey.materials},
             {"images", scene.images.size()},
+            {"animations", clipsJson(scene)},
             {"lights", scene.lights.size()},
             {"cameras", scene.cameras.size()},
             {"features", survey.features},
@@ -159,6 +177,7 @@ void printScene(const Survey& survey) {
     if (isWorthKeeping(survey.counts))
         row("instances", fmt::format("kept where not told otherwise: {} triangles in memory", survey.counts.stored));
     row("view", fmt::format("{} cameras, {} lights", scene.cameras.size(), scene.lights.size()));
+    if (!scene.clips.empty()) row("animations", describeClips(scene));
     row("uses", survey.features.empty() ? "plain triangles" : fmt::format("{}", fmt::join(survey.features, ", ")));
     if (numbers.bounds.empty()) return;
     const Box& b = numbers.bounds;

@@ -1,5 +1,6 @@
 #include "app/options.hpp"
 
+#include "app/animation_options.hpp"
 #include "app/aov_options.hpp"
 #include "app/chart_options.hpp"
 #include "app/compare_options.hpp"
@@ -195,6 +196,8 @@ void addRender(CLI::App& app, Options& options) {
     addInput(command, options, "scene", "a .gltf, .glb, .obj, .ply or .stl file")->required();
     addPictureFile(command, options, "the picture: .png, .hdr, .exr or .pfm", true);
     addPicture(command, options, 512);
+    addMomentOptions(command, options);
+    addFrameOptions(command, options);
     addAovOptions(command, options);
     addToneOptions(command, options);
     addStructure(command, options);
@@ -206,8 +209,9 @@ void addRender(CLI::App& app, Options& options) {
                    "  raig render bunny.ply -o out.png --eye 1,2,3 --fov 30\n"
                    "  raig render room.glb -o part.png --size 4096x4096 --crop 1024,2048,256,256\n"
                    "  raig render room.glb -o sharp.png --aperture 0.05 --focus 2.5 --spp 64\n"
-                   "  raig render room.glb -o out.png --exposure auto --tonemap aces\n" +
-                   aovExamples() + viewHelp + toneHelp + aovHelp());
+                   "  raig render room.glb -o out.png --exposure auto --tonemap aces\n"
+                   "  raig render walk.glb -o walk.png --frames 0:47 --fps 24\n" +
+                   aovExamples() + viewHelp + animationHelp + toneHelp + aovHelp());
 }
 
 void addTrace(CLI::App& app, Options& options) {
@@ -225,6 +229,7 @@ void addTrace(CLI::App& app, Options& options) {
     };
     command.add_option_function<std::string>("--query", parseQuery, "closest or any (default: closest)")->type_name("QUERY");
     command.add_flag("--counters", options.counters, "count what walks do on a device, too (with --json; costs time)");
+    addMomentOptions(command, options);
     addStructure(command, options);
     addCommon(command, options);
     command.footer("Examples:\n"
@@ -240,6 +245,7 @@ void addCompare(CLI::App& app, Options& options) {
     addPictureFile(command, options, "the difference picture: .png, .hdr, .exr or .pfm", false);
     addCompareOptions(command, options);
     addPicture(command, options, 256);
+    addMomentOptions(command, options);
     addStructure(command, options);
     addCommon(command, options);
     command.footer("Examples:\n"
@@ -261,6 +267,7 @@ void addBench(CLI::App& app, Options& options) {
     };
     command.add_option_function<std::vector<std::string>>("scenes", append, ".gltf, .glb, .obj, .ply or .stl files")
         ->type_name("FILE")->required();
+    addMomentOptions(command, options);
     addStructure(command, options, "all, which are all but brute");
     const auto parseSide = [&options](const std::string& text) {
         const std::optional<uint32_t> side = wholeNumber(text, 8, 8192);
@@ -363,6 +370,7 @@ void addInfo(CLI::App& app, Options& options) {
     CLI::App& command = *app.add_subcommand("info", "Tell what a scene holds and what each structure would cost in it");
     command.callback([&options] { options.command = Command::info; });
     addInput(command, options, "scene", "a .gltf, .glb, .obj, .ply or .stl file")->required();
+    addMomentOptions(command, options);
     addMemoryBudget(command, options);
     addCommon(command, options);
     command.footer("Examples:\n"
@@ -430,6 +438,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
         throw explained(app, error, argc, argv);
     }
     checkNoneIsEmpty(app);
+    checkAnimationOptions(options);
     checkViewOptions(options);
     checkToneOptions(options);
     checkWrittenFiles(options);

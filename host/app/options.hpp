@@ -5,6 +5,7 @@
 #include "image/tone.hpp"
 #include "measure/compare_bounds.hpp"
 #include "rays/types.hpp"
+#include "scene/import.hpp"
 #include "scene/view.hpp"
 #include "structures/structure.hpp"
 
@@ -22,6 +23,12 @@ enum class Exposure {
     legible,   ///< a png in which hardly anything could be told apart as suits it, all else as it is
     suitable,  ///< as suits the picture
     stops,     ///< as is asked for
+};
+
+/// Pictures of an animation, both ends included.
+struct FrameRange {
+    uint32_t first = 0;
+    uint32_t last = 0;
 };
 
 /// All options of all commands; each command reads its own and finds the defaults in the rest. Choices that only a part of
@@ -46,6 +53,7 @@ struct Options {
 
     // What is read and written. `trace` and `render` have one scene; `compare` a scene, or two pictures.
     std::vector<std::filesystem::path> inputs;
+    Moment moment;                 ///< of a scene that moves
     std::filesystem::path output;  ///< render: the picture; compare: the difference picture, empty if none is wanted
 
     // Pictures: render, and compare of a scene.
@@ -62,6 +70,8 @@ struct Options {
     uint32_t samples = 0;                  ///< a pixel; 0: the command's own default
 
     // render.
+    std::optional<FrameRange> frames;      ///< a picture of each; nothing: one picture
+    double framesPerSecond = 24.0;
     Exposure exposure = Exposure::legible;
     double stops = 0.0;                    ///< Exposure::stops
     Tone tone = Tone::none;                ///< none unless `output` is a png

@@ -1,4 +1,5 @@
 // `raig render`: a picture of a scene.
+#include "app/animation_options.hpp"
 #include "app/aov_layers.hpp"
 #include "app/aov_options.hpp"
 #include "app/commands.hpp"
@@ -110,6 +111,7 @@ Notes notesOf(const Options& options, const FrameOptions& frame, const Setup& se
                    {"Samples", fmt::format("{} a pixel, seed {}", frame.samples, frame.seed)},
                    {"Structure", setup.structure.name}};
     if (options.view) notes.emplace_back("Shows", typeOf(*options.view).name);
+    if (options.moment.seconds) notes.emplace_back("Time", fmt::format("{} s", *options.moment.seconds));
     if (frame.aperture > 0.0f)
         notes.emplace_back("Lens", fmt::format("aperture {}, in focus at {}", frame.aperture, frame.focus));
     if (const std::optional<Crop>& c = frame.crop)
@@ -190,15 +192,14 @@ void addAovs(const Options& options, const AovView& view, nlohmann::ordered_json
     if (view.range) document["view"].update({{"min", view.range->first}, {"max", view.range->second}});
 }
 
-}  // namespace
-
-int render(const Options& options) {
-    const std::unique_ptr<Setup> setup = prepare(options, options.inputs.front());
-    const FrameOptions frame = frameOptionsOf(options, setup->scene);
+/// Renders the scene that was prepared, as `options` say, writes the picture and tells of it. What --json prints of it.
+/// The exposure of `options` becomes that which was taken, whoever chose it.
+nlohmann::ordered_json renderOne(Options& options, Setup& setup) {
+    const FrameOptions frame = frameOptionsOf(options, setup.scene);
     Picture picture;
     PrimaryHits hits;
-    if (needsPicture(options)) picture = makePicture(*setup, frame);
-    if (needsHits(options)) hits = makeHits(*setup, frame);
+    if (needsPicture(options)) picture = makePicture(setup, frame);
+    if (needsHits(options)) hits = makeHits(setup, frame);
     const Crop part = frame.part();
     const AovSources sources{part.width, part.height, frame.samples, picture, hits};
     AovView view = options.view ? viewOf(*options.view, sources) : AovView{imageOf(picture), std::nullopt};
@@ -206,22 +207,52 @@ int render(const Options& options) {
     Shown shown;
     if (!options.view) shown = {showLight(options, view.image), options.tone};
     const uint64_t nonFinite =
-        std::max(nonFiniteLight, writeAll(options, view.image, sources, notesOf(options, frame, *setup, shown)));
+        std::max(nonFiniteLight, writeAll(options, view.image, sources, notesOf(options, frame, setup, shown)));
     if (nonFinite > 0) log::warn("{}: {} pixels are not finite", options.output.string(), nonFinite);
 
     const Discarded discarded = measureDiscarded(picture);
     if (needsPicture(options)) describe(picture, part, discarded);
     if (view.range)
         log::note("view: {} from {:.6g} to {:.6g}", typeOf(*options.view).name, view.range->first, view.range->second);
-    if (options.json) {
-        nlohmann::ordered_json document = toJson(*setup, frame, picture, discarded);
-        document["output"] = options.output.string();
-        document["exposure"] = shown.stops;
-        document["tonemap"] = nameOf(shown.tone);
-        addAovs(options, view, document);
-        document["non_finite_pixels"] = nonFinite;
-        std::puts(document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    const bool isBlack = options.exposure == Exposure::suitable && shown.stops == 0.0;  // as far as can be told
+    if (!options.view && !isBlack) {
+        options.exposure = Exposure::stops;
+        options.stops = shown.stops;
     }
+    if (!options.json) return {};
+    nlohmann::ordered_json document = toJson(setup, frame, picture, discarded);
+    document["output"] = options.output.string();
+    document["time"] = options.moment.seconds ? nlohmann::json(*options.moment.seconds) : nlohmann::json(nullptr);
+    document["exposure"] = shown.stops;
+    document["tonemap"] = nameOf(shown.tone);
+    addAovs(options, view, document);
+    document["non_finite_pixels"] = nonFinite;
+    return document;
+}
+
+/// A picture of each frame. The exposure that is found for the first holds for all, or they would flicker.
+nlohmann::ordered_json renderFrames(const Options& options, Setup& setup) {
+    Options each = options;
+    nlohmann::ordered_json documents = nlohmann::ordered_json::array();
+    const auto [first, last] = *options.frames;
+    for (uint32_t frame = first; frame <= last; ++frame) {
+        if (frame > first) moveTo(setup, options, frame);
+        each.output = fileOf(options.output, frame);
+        each.moment.seconds = secondsOf(options, frame);
+        documents.push_back(renderOne(each, setup));
+        log::note("frame {} ({} of {}): at {:.4g} s, {}", frame, frame - first + 1, last - first + 1, *each.moment.seconds,
+                  each.output.string());
+    }
+    return {{"frames", documents}};
+}
+
+}  // namespace
+
+int render(const Options& options) {
+    const std::unique_ptr<Setup> setup = prepare(options, options.inputs.front());
+    Options one = options;
+    const nlohmann::ordered_json document = options.frames ? renderFrames(options, *setup) : renderOne(one, *setup);
+    if (options.json) std::puts(document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     return static_cast<int>(ExitCode::done);
 }
 

@@ -1,10 +1,10 @@
 #include "app/setup.hpp"
 
-#include "app/structure_source.hpp"
+#include "app/animation_options.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "scene/import.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 
@@ -42,6 +42,35 @@ void setFastestWalk(const std::optional<DeviceInfo>& info, Setup& setup, Structu
     source.setWalk(choice);
 }
 
+Geometry gather(const StructureSource& source, const Scene& scene) {
+    return source.keepsInstances(scene) ? gatherInstances(scene) : flatten(scene);
+}
+
+/// Requires a structure, and a device unless the CPU traces.
+void makeTracer(Setup& setup, const Options& options) {
+    if (setup.device) {
+        std::unique_ptr<DeviceTracer> tracer = makeDeviceTracer(*setup.device, setup.structure, options.counters);
+        setup.deviceTracer = tracer.get();
+        setup.tracer = std::move(tracer);
+    } else {
+        setup.tracer = makeCpuTracer(setup.structure);
+    }
+}
+
+Moment momentOf(const Options& options, uint32_t frame) {
+    return {secondsOf(options, frame), options.moment.animation};
+}
+
+/// True if a structure of the one is a structure of the other: every primitive is in the same place. Corners that are no
+/// numbers are not the same.
+bool isSameShape(const Scene& a, const Geometry& of, const Scene& b, const Geometry& other) {
+    const auto isSameSphere = [](const Sphere& s, const Sphere& t) { return s.centre == t.centre && s.radius == t.radius; };
+    const auto isSamePlace = [](const Instance& i, const Instance& k) { return i.mesh == k.mesh && i.toWorld == k.toWorld; };
+    return of.isInstanced() == other.isInstanced() && of.positions == other.positions && of.triangles == other.triangles &&
+           of.firstTriangle == other.firstTriangle && std::ranges::equal(of.spheres, other.spheres, isSameSphere) &&
+           (!of.isInstanced() || std::ranges::equal(a.instances, b.instances, isSamePlace));
+}
+
 }  // namespace
 
 std::string Setup::deviceName() const { return device ? device->info().name : "cpu"; }
@@ -54,11 +83,17 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
     auto setup = std::make_unique<Setup>();
     // A device or a structure that does not exist should be told before a large scene is read.
     const std::optional<DeviceInfo> info = chooseDevice(options.device);
-    StructureSource source(options);
+    setup->source = std::make_unique<StructureSource>(options);
+    StructureSource& source = *setup->source;
 
     Clock::time_point start = Clock::now();
-    setup->scene = importScene(file);
-    setup->geometry = source.keepsInstances(setup->scene) ? gatherInstances(setup->scene) : flatten(setup->scene);
+    if (options.frames) {
+        setup->moving = std::make_unique<MovingScene>(file);
+        setup->scene = setup->moving->at(momentOf(options, options.frames->first));
+    } else {
+        setup->scene = importScene(file, options.moment);
+    }
+    setup->geometry = gather(source, setup->scene);
     setup->importSeconds = secondsSince(start);
     describeScene(setup->scene, setup->geometry);
 
@@ -76,18 +111,26 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
                   setup->structure.instances, double(built.bytes) / (1 << 20));
 
     start = Clock::now();
-    if (info) {
-        if (!setup->device) setup->device = std::make_unique<Device>(*info);
-        std::unique_ptr<DeviceTracer> tracer = makeDeviceTracer(*setup->device, setup->structure, options.counters);
-        setup->deviceTracer = tracer.get();
-        setup->tracer = std::move(tracer);
-        log::note("device: {} ({})", info->name, info->driver);
-    } else {
-        setup->tracer = makeCpuTracer(setup->structure);
-        log::note("device: the CPU");
-    }
+    if (info && !setup->device) setup->device = std::make_unique<Device>(*info);
+    makeTracer(*setup, options);
+    log::note("device: {}", info ? fmt::format("{} ({})", info->name, info->driver) : "the CPU");
     setup->uploadSeconds = secondsSince(start);
     return setup;
+}
+
+void moveTo(Setup& setup, const Options& options, uint32_t frame) {
+    RAIG_CHECK(setup.moving);
+    Scene scene = setup.moving->at(momentOf(options, frame));
+    Geometry geometry = gather(*setup.source, scene);
+    const bool stays = isSameShape(setup.scene, setup.geometry, scene, geometry);
+    setup.scene = std::move(scene);
+    setup.geometry = std::move(geometry);
+    if (stays) return;
+    setup.deviceTracer = nullptr;
+    setup.tracer.reset();  // before what it refers to
+    setup.structure = setup.source->make(setup.scene, setup.geometry);
+    setup.buildSeconds = setup.source->buildSeconds();
+    makeTracer(setup, options);
 }
 
 uint32_t chooseCamera(const Scene& scene, const std::string& wanted) {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include "app/options.hpp"
+#include "app/structure_source.hpp"
 #include "rays/tracer.hpp"
 #include "scene/geometry.hpp"
+#include "scene/import.hpp"
 
 #include <memory>
 
@@ -17,6 +19,8 @@ struct Setup {
     std::unique_ptr<Device> device;  ///< none on the CPU path
     std::unique_ptr<Tracer> tracer;
     DeviceTracer* deviceTracer = nullptr;  ///< `tracer`, where there is a device
+    std::unique_ptr<StructureSource> source;
+    std::unique_ptr<MovingScene> moving;  ///< where --frames is given
     double importSeconds = 0.0;
     double buildSeconds = 0.0;  ///< 0 where the structure was read from a file
     double loadSeconds = 0.0;
@@ -30,9 +34,14 @@ struct Setup {
     double bytesPerTriangle() const;
 };
 
-/// Imports `file`, builds or reads the structure that is asked for, opens the device, and says so line by line.
-/// Throws what importing, building and opening throw.
+/// Imports `file`, at the moment of --time-at or of the first of --frames, builds or reads the structure that is asked for,
+/// opens the device, and says so line by line.
+/// Throws what importing, building and opening throw. `options` must outlive the result.
 std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::path& file);
+
+/// Moves a scene that was prepared for --frames to another frame. The structure is built anew only where a triangle or
+/// sphere is elsewhere; what raig added because the file lacks it, a camera, stays. `options` are those of prepare().
+void moveTo(Setup& setup, const Options& options, uint32_t frame);
 
 /// The camera that --camera names: an index, or the first whose name is that; the first of all if empty.
 /// Throws usageError, which lists those there are.

@@ -172,12 +172,26 @@ std::vector<vec4> readVec4(const Document& document, int index, float fill) {
     return readVectors<vec4, 4>(document, index, fill);
 }
 
+std::vector<float> readFloats(const Document& document, int index) {
+    const tinygltf::Accessor& accessor = document.model.accessors[index];
+    const size_t components = componentCount(accessor.type), bytes = componentBytes(accessor.componentType);
+    std::vector<float> values(accessor.count * components, 0.0f);
+    forEachElement(document, accessor, [&](size_t i, const std::byte* from) {
+        for (size_t k = 0; k < components; ++k)
+            values[i * components + k] = loadFloat(from + k * bytes, accessor.componentType, accessor.normalized);
+    });
+    return values;
+}
+
 std::vector<uint32_t> readIndices(const Document& document, int index) {
     const tinygltf::Accessor& accessor = document.model.accessors[index];
-    std::vector<uint32_t> indices(accessor.count, 0);
-    forEachElement(document, accessor,
-                   [&](size_t i, const std::byte* from) { indices[i] = loadUnsigned(from, accessor.componentType); });
-    return indices;
+    const size_t components = componentCount(accessor.type), bytes = componentBytes(accessor.componentType);
+    std::vector<uint32_t> values(accessor.count * components, 0);
+    forEachElement(document, accessor, [&](size_t i, const std::byte* from) {
+        for (size_t k = 0; k < components; ++k)
+            values[i * components + k] = loadUnsigned(from + k * bytes, accessor.componentType);
+    });
+    return values;
 }
 
 std::vector<uint32_t> readSparseIndices(const Document& document, const tinygltf::Accessor& accessor) {

@@ -31,7 +31,10 @@ std::vector<vec2> readVec2(const Document& document, int index);
 std::vector<vec3> readVec3(const Document& document, int index);
 std::vector<vec4> readVec4(const Document& document, int index, float fill = 1.0f);
 
-/// Unsigned integer scalars, sparse values put in.
+/// All components of all elements, one after the other. For scalars and matrices: of the latter columns of floats only.
+std::vector<float> readFloats(const Document& document, int index);
+
+/// The same of unsigned integers, which are not normalized.
 std::vector<uint32_t> readIndices(const Document& document, int index);
 
 /// The sparse part's indices.

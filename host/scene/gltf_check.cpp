@@ -107,13 +107,36 @@ void checkPrimitive(const Document& document, const tinygltf::Primitive& primiti
             throw errorAt(document, place, "has {} elements, but there are {} positions", accessors[index].count,
                           accessors[position->second].count);
     }
+    for (size_t t = 0; t < primitive.targets.size(); ++t)
+        for (const auto& [name, index] : primitive.targets[t]) {
+            const std::string place = fmt::format("{}/targets/{}/{}", pointer, t, printable(name));
+            checkIndex(document, place, "accessor", index, accessors.size());
+            if (position != primitive.attributes.end() && accessors[index].count != accessors[position->second].count)
+                throw errorAt(document, place, "has {} elements, but there are {} positions", accessors[index].count,
+                              accessors[position->second].count);
+        }
+}
+
+/// Throws unless there are no weights, or one for each morph target.
+void checkWeights(const Document& document, size_t weights, size_t targets, const std::string& pointer) {
+    if (weights != 0 && weights != targets)
+        throw errorAt(document, pointer, "has {} weights for {} morph targets", weights, targets);
 }
 
 void checkMeshes(const Document& document) {
     const auto& meshes = document.model.meshes;
-    for (size_t m = 0; m < meshes.size(); ++m)
-        for (size_t p = 0; p < meshes[m].primitives.size(); ++p)
-            checkPrimitive(document, meshes[m].primitives[p], fmt::format("/meshes/{}/primitives/{}", m, p));
+    for (size_t m = 0; m < meshes.size(); ++m) {
+        const std::string pointer = fmt::format("/meshes/{}", m);
+        const std::vector<tinygltf::Primitive>& primitives = meshes[m].primitives;
+        for (size_t p = 0; p < primitives.size(); ++p) {
+            const std::string place = fmt::format("{}/primitives/{}", pointer, p);
+            checkPrimitive(document, primitives[p], place);
+            if (primitives[p].targets.size() != primitives[0].targets.size())
+                throw errorAt(document, place + "/targets", "has {} morph targets, but the mesh's first primitive {}",
+                              primitives[p].targets.size(), primitives[0].targets.size());
+        }
+        checkWeights(document, meshes[m].weights.size(), targetCount(meshes[m]), pointer + "/weights");
+    }
 }
 
 /// The node graph must be a forest; that it has no cycles shows when it is walked (scene/gltf_nodes.cpp).
@@ -125,7 +148,9 @@ void checkNodes(const Document& document) {
         const std::string pointer = fmt::format("/nodes/{}", i);
         checkOptional(document, pointer + "/mesh", "mesh", node.mesh, model.meshes.size());
         checkOptional(document, pointer + "/camera", "camera", node.camera, model.cameras.size());
-        checkOptional(document, pointer + "/skin", "skin", node.skin, document.skinCount);
+        checkOptional(document, pointer + "/skin", "skin", node.skin, document.skins.size());
+        checkWeights(document, node.weights.size(), node.mesh < 0 ? 0 : targetCount(model.meshes[node.mesh]),
+                     pointer + "/weights");
         for (const int child : node.children) {
             checkIndex(document, pointer + "/children", "node", child, model.nodes.size());
             if (parents[child] != -1)
@@ -164,6 +189,15 @@ void checkTextures(const Document& document) {
 }
 
 }  // namespace
+
+size_t wholeNumber(const Document& document, const nlohmann::json& number, const std::string& pointer) {
+    if (!number.is_number_unsigned()) throw errorAt(document, pointer, "must be a non-negative integer");
+    return number.get<size_t>();
+}
+
+size_t targetCount(const tinygltf::Mesh& mesh) {
+    return mesh.primitives.empty() ? 0 : mesh.primitives[0].targets.size();
+}
 
 void checkModel(const Document& document) {
     checkBufferViews(document);

@@ -150,13 +150,13 @@ Document readDocument(const std::filesystem::path& path) {
         throw limitError("{}: holds {} bytes of JSON, more than the {} that can be read", document.file, chunks.json.size(),
                          longestJson);
     const std::string_view text(reinterpret_cast<const char*>(chunks.json.data()), chunks.json.size());
-    Json json = parseJson(text, document.file, document.morphedCount);
+    Json json = parseJson(text, document.file);
     checkVersion(document, json);
     checkExtensions(document, json);
     readBuffers(document, take(json, "buffers"), chunks.binary);
     listImages(document, take(json, "images"));
-    document.animationCount = take(json, "animations").size();
-    document.skinCount = take(json, "skins").size();
+    document.animations = take(json, "animations");
+    document.skins = take(json, "skins");
     parseModel(document, json);
     return document;
 }

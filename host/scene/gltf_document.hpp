@@ -29,15 +29,14 @@ struct ImageSource {
 struct Document {
     std::string file;                           ///< the path given, for messages
     std::filesystem::path folder;               ///< what URIs are relative to, and may not leave
-    tinygltf::Model model;                      ///< without buffers, images, animations, skins, morph targets and extras
+    tinygltf::Model model;                      ///< without buffers, images, animations, skins and extras
     std::vector<std::byte> bytes;               ///< the file
     std::vector<std::vector<std::byte>> owned;  ///< what URIs held
     std::vector<Bytes> buffers;                 ///< each of its declared length
     std::vector<ImageSource> images;
     std::vector<std::string> ignoredExtensions;  ///< used, not required, and not supported
-    size_t animationCount = 0;
-    size_t skinCount = 0;
-    size_t morphedCount = 0;  ///< primitives with morph targets
+    nlohmann::json animations;                   ///< arrays of objects, of which only the members' kinds are checked
+    nlohmann::json skins;
 };
 
 /// What was left out or assumed, each once with how often.
@@ -64,10 +63,9 @@ template <class... Args>
 ///
 /// Ensures   nesting of at most 200; members that name or count things are non-negative integers that tinygltf's int or
 ///           size_t hold; numbers, booleans, strings, arrays and objects are where the specification wants them.
-///           `extras`, unsupported extensions and morph targets are taken out; primitives with targets are counted.
-///           Primitives that are shapes get attributes, none.
+///           `extras` and unsupported extensions are taken out. Primitives that are shapes get attributes, none.
 /// Throws    inputError with the JSON pointer.
-nlohmann::json parseJson(std::string_view text, const std::string& file, size_t& morphedCount);
+nlohmann::json parseJson(std::string_view text, const std::string& file);
 
 /// True for the extensions that the importer understands.
 bool isSupportedExtension(std::string_view name);
@@ -77,6 +75,12 @@ std::vector<std::byte> readUri(const std::string& uri, const std::filesystem::pa
 
 /// Reads and parses a .gltf or .glb (told apart by content) and reads its buffers (gltf_document.cpp).
 Document readDocument(const std::filesystem::path& path);
+
+/// A number in JSON that names or counts things. Throws inputError at `pointer` if it is anything else.
+size_t wholeNumber(const Document& document, const nlohmann::json& number, const std::string& pointer);
+
+/// How many morph targets a mesh has: all of its primitives have as many.
+size_t targetCount(const tinygltf::Mesh& mesh);
 
 /// Checks every index, range and count of the model against the document (gltf_check.cpp). The other parts rely on it:
 /// after it no index is out of range and no accessor reaches outside its buffer view.

@@ -21,13 +21,14 @@ const Names supportedExtensions = {
 
 /// Members that must be non-negative integers, wherever they hold no array or object.
 const Names integerMembers = {"buffer",        "bufferView", "byteLength", "byteOffset", "byteStride", "camera",
-                              "componentType", "count",      "index",      "indices",    "light",      "material",
-                              "mesh",          "mode",       "sampler",    "scene",      "shape",      "skin",
-                              "source",        "texCoord",   "wrapS",      "wrapT"};
+                              "componentType", "count",      "index",      "indices",    "input",      "inverseBindMatrices",
+                              "light",         "material",   "mesh",       "mode",       "node",       "output",
+                              "sampler",       "scene",      "shape",      "skeleton",   "skin",       "source",
+                              "texCoord",      "wrapS",      "wrapT"};
 /// The ones among them that may exceed an int.
 const Names sizeMembers = {"byteLength", "byteOffset", "byteStride", "count"};
 /// Arrays whose elements, unless objects, must be non-negative integers.
-const Names integerArrays = {"children", "nodes"};
+const Names integerArrays = {"children", "joints", "nodes"};
 /// Members that must be numbers, or arrays of numbers.
 const Names numberMembers = {"aspectRatio",
                              "attenuationColor",
@@ -51,12 +52,13 @@ const Names numberMembers = {"aspectRatio",
                              "thicknessFactor",
                              "translation",
                              "transmissionFactor",
+                             "weights",
                              "xmag",
                              "yfov",
                              "ymag",
                              "zfar",
                              "znear"};
-const Names stringMembers = {"alphaMode", "type", "uri", "version", "minVersion"};
+const Names stringMembers = {"alphaMode", "interpolation", "minVersion", "path", "type", "uri", "version"};
 const Names objectMembers = {"asset",
                              "attributes",
                              "baseColorTexture",
@@ -73,9 +75,9 @@ const Names objectMembers = {"asset",
                              "spot",
                              "transmissionTexture"};
 const Names arrayMembers = {
-    "accessors",      "animations", "bufferViews", "buffers",   "cameras", "children", "extensionsRequired",
-    "extensionsUsed", "images",     "lights",      "materials", "meshes",  "nodes",    "primitives",
-    "samplers",       "scenes",     "shapes",      "skins",     "textures"};
+    "accessors",      "animations", "bufferViews", "buffers", "cameras",   "channels", "children", "extensionsRequired",
+    "extensionsUsed", "images",     "joints",      "lights",  "materials", "meshes",   "nodes",    "primitives",
+    "samplers",       "scenes",     "shapes",      "skins",   "targets",   "textures"};
 
 /// The way from the root to a value, kept on the call stack and spelt out only for a message.
 struct Step {
@@ -94,7 +96,7 @@ struct Step {
 /// Walks the document once, checking the kind of each known member and taking out what nobody reads.
 class ShapeCheck {
 public:
-    ShapeCheck(const std::string& file, size_t& morphedCount) : file_(file), morphedCount_(morphedCount) {}
+    explicit ShapeCheck(const std::string& file) : file_(file) {}
 
     void walk(Json& value, const Step& at) {
         if (value.is_object()) walkObject(value, at);
@@ -106,17 +108,15 @@ private:
         object.erase("extras");
         const bool areExtensions = !at.isIndex && at.key == "extensions";
         if (areExtensions) eraseUnsupported(object);
-        if (object.contains("targets") && object.contains("attributes")) {
-            ++morphedCount_;
-            object.erase("targets");
-        }
         const bool isPrimitive = at.isIndex && at.parent && at.parent->key == "primitives";
         const auto extensions = object.find("extensions");
         // tinygltf knows no primitives without attributes.
         if (isPrimitive && !object.contains("attributes") && extensions != object.end() && extensions->is_object() &&
             extensions->contains("KHR_implicit_shapes"))
             object["attributes"] = Json::object();
-        const bool areAttributes = !at.isIndex && at.key == "attributes";
+        // A morph target is an object of attributes, too.
+        const bool areAttributes =
+            at.isIndex ? at.parent && !at.parent->isIndex && at.parent->key == "targets" : at.key == "attributes";
         for (auto& [key, child] : object.items()) {
             const Step step{&at, key, 0, false};
             if (areAttributes) {
@@ -155,7 +155,8 @@ private:
         // tinygltf wraps whole numbers in extensions to an int.
         if (numberMembers.contains(key) && child.is_number_integer()) child = child.get<double>();
         if (stringMembers.contains(key)) require(child.is_string(), at, "a string");
-        if (objectMembers.contains(key)) require(child.is_object(), at, "an object");
+        const bool isChannels = key == "target" && at.isInside("channels");  // a bufferView's is a number
+        if (objectMembers.contains(key) || isChannels) require(child.is_object(), at, "an object");
         if (arrayMembers.contains(key)) require(child.is_array(), at, "an array");
         if (key == "normalized") require(child.is_boolean(), at, "true or false");
     }
@@ -173,7 +174,6 @@ private:
     }
 
     const std::string& file_;
-    size_t& morphedCount_;
 };
 
 /// Counts brackets outside strings, so that neither the parser nor tinygltf (which recurses) meets what is too deep.
@@ -213,7 +213,7 @@ std::string printable(std::string_view text, size_t most) {
     return text.size() > length ? clean + "..." : clean;
 }
 
-nlohmann::json parseJson(std::string_view text, const std::string& file, size_t& morphedCount) {
+nlohmann::json parseJson(std::string_view text, const std::string& file) {
     checkNesting(text, file);
     Json json;
     try {
@@ -222,7 +222,7 @@ nlohmann::json parseJson(std::string_view text, const std::string& file, size_t&
         throw inputError(file, "its JSON cannot be parsed: {}", printable(problem.what(), 200));
     }
     if (!json.is_object()) throw inputError(file, "its JSON is not an object; is this a glTF file?");
-    ShapeCheck(file, morphedCount).walk(json, Step{});
+    ShapeCheck(file).walk(json, Step{});
     return json;
 }
 

@@ -11,9 +11,9 @@ namespace {
 /// Accessors may be named by any number of primitives, each of which writes them out: a small file could ask for anything.
 constexpr size_t mostElements = size_t{1} << 28;
 
-/// Sets of vertices are the same if all of this is: the accessors of position, normal, uv and colour, and the uv's
-/// transform.
-using VertexKey = std::pair<std::array<int, 4>, std::array<float, 6>>;
+/// Sets of vertices are the same if all of this is: the accessors of position, normal, uv and colour, the uv's transform,
+/// and the accessors by which they are bent.
+using VertexKey = std::tuple<std::array<int, 4>, std::array<float, 6>, std::vector<int>>;
 
 vec3 unitOrZero(const vec3& v) {
     const double length = std::sqrt(glm::dot(dvec3(v), dvec3(v)));
@@ -52,22 +52,22 @@ size_t primitiveCount(int mode, size_t count) {
 /// Writes out one glTF mesh, primitive after primitive.
 class MeshReader {
 public:
-    MeshReader(const Document& document, const std::vector<UvSource>& uvSources, Scene& scene, Remarks& remarks,
-               size_t& written)
+    MeshReader(const Document& document, const std::vector<UvSource>& uvSources, Scene& scene, Remarks& remarks)
         : document_(document),
           uvSources_(uvSources),
           shapes_(readShapes(document)),
+          skins_(document),
           scene_(scene),
-          remarks_(remarks),
-          written_(written) {}
+          remarks_(remarks) {}
 
-    Mesh read(size_t index);
+    Mesh read(size_t index, const Bend& bend);
 
 private:
     void addPrimitive(const tinygltf::Primitive& primitive, const std::string& pointer);
     void addShape(const Shape& shape, uint32_t material);
     uint32_t materialOf(const tinygltf::Primitive& primitive) const;
     uint32_t addVertices(const tinygltf::Primitive& primitive, const std::string& pointer);
+    void bendVertices(const tinygltf::Primitive& primitive, const std::string& pointer, size_t first);
     void addNormals(int accessor, const std::string& pointer, size_t first);
     void addUvs(int accessor, const UvSource& source, const std::string& pointer, size_t first);
     void addColors(int accessor, const std::string& pointer, size_t first);
@@ -76,10 +76,13 @@ private:
     const Document& document_;
     const std::vector<UvSource>& uvSources_;
     std::vector<Shape> shapes_;
+    Skins skins_;
     Scene& scene_;
     Remarks& remarks_;
-    size_t& written_;
+    size_t written_ = 0;
     Mesh mesh_;
+    Bend bend_;
+    std::vector<bool> mirrored_;  ///< one a vertex, up to the last that a skin has bent
     std::vector<uint32_t> sphereMaterials_;
     std::map<VertexKey, uint32_t> firstVertex_;
 };
@@ -96,9 +99,11 @@ void MeshReader::spend(size_t elements, const std::string& pointer) {
                          mostElements);
 }
 
-Mesh MeshReader::read(size_t index) {
+Mesh MeshReader::read(size_t index, const Bend& bend) {
     const tinygltf::Mesh& source = document_.model.meshes[index];
     mesh_ = Mesh{};
+    bend_ = bend;
+    mirrored_.clear();
     mesh_.name = source.name;
     sphereMaterials_.clear();
     firstVertex_.clear();
@@ -131,7 +136,10 @@ void MeshReader::addShape(const Shape& shape, uint32_t material) {
 
 void MeshReader::addPrimitive(const tinygltf::Primitive& primitive, const std::string& pointer) {
     if (const Shape* shape = shapeOf(document_, shapes_, primitive, pointer)) {
-        if (primitive.attributes.empty()) return addShape(*shape, materialOf(primitive));
+        if (primitive.attributes.empty()) {
+            if (bend_.skin >= 0) throw errorAt(document_, pointer, "is a shape in a mesh that a node shows with a skin");
+            return addShape(*shape, materialOf(primitive));
+        }
         remarks_.add("a primitive with both vertices and a shape has its vertices used");
     }
     if (findAttribute(primitive, "POSITION") < 0) {
@@ -174,8 +182,11 @@ void MeshReader::addPrimitive(const tinygltf::Primitive& primitive, const std::s
     mesh_.triangles.reserve(mesh_.triangles.size() + primitives);
     for (size_t i = 0; i < primitives; ++i) {
         const uvec3 at = cornersOf(primitive.mode, static_cast<uint32_t>(i));
-        const uvec3 corners = isIndexed ? uvec3(indices[at.x], indices[at.y], indices[at.z]) : at;
-        mesh_.triangles.push_back(corners + first);
+        uvec3 corners = (isIndexed ? uvec3(indices[at.x], indices[at.y], indices[at.z]) : at) + first;
+        // As an instance that mirrors does, so that fronts stay fronts.
+        if (!mirrored_.empty() && mirrored_[corners.x] && mirrored_[corners.y] && mirrored_[corners.z])
+            std::swap(corners.y, corners.z);
+        mesh_.triangles.push_back(corners);
     }
     mesh_.materials.resize(mesh_.triangles.size(), materialOf(primitive));
 }
@@ -191,7 +202,8 @@ uint32_t MeshReader::addVertices(const tinygltf::Primitive& primitive, const std
     if (uvSource.isUsed && uv < 0)
         remarks_.add("a textured primitive has no texture coordinates: its texture's first texel is used");
     const VertexKey key{{position, normal, uv, color},
-                        {uvSource.u.x, uvSource.u.y, uvSource.u.z, uvSource.v.x, uvSource.v.y, uvSource.v.z}};
+                        {uvSource.u.x, uvSource.u.y, uvSource.u.z, uvSource.v.x, uvSource.v.y, uvSource.v.z},
+                        bendAccessors(primitive, bend_)};
     const auto [known, isNew] = firstVertex_.try_emplace(key, static_cast<uint32_t>(mesh_.positions.size()));
     if (!isNew) return known->second;
 
@@ -214,7 +226,17 @@ uint32_t MeshReader::addVertices(const tinygltf::Primitive& primitive, const std
     if (normal >= 0 || !mesh_.normals.empty()) addNormals(normal, pointer, first);
     if (uv >= 0 || !mesh_.uvs.empty()) addUvs(uv, uvSource, pointer, first);
     if (color >= 0 || !mesh_.colors.empty()) addColors(color, pointer, first);
+    if (!bend_.isNone()) bendVertices(primitive, pointer, first);
     return known->second;
+}
+
+void MeshReader::bendVertices(const tinygltf::Primitive& primitive, const std::string& pointer, size_t first) {
+    spend(bendCost(primitive, bend_, mesh_.positions.size() - first), pointer);
+    const bool hasNormals = findAttribute(primitive, "NORMAL") >= 0;
+    const std::span<vec3> normals = hasNormals ? std::span(mesh_.normals).subspan(first) : std::span<vec3>();
+    const std::vector<bool> mirrored =
+        bend(document_, primitive, pointer, bend_, skins_, std::span(mesh_.positions).subspan(first), normals, remarks_);
+    mirrored_.insert(mirrored_.end(), mirrored.begin(), mirrored.end());
 }
 
 void MeshReader::addNormals(int accessor, const std::string& pointer, size_t first) {
@@ -273,24 +295,54 @@ void MeshReader::addColors(int accessor, const std::string& pointer, size_t firs
         for (int k = 0; k < 3; ++k) mesh_.colors[first + i][k] = std::max(0.0f, finiteOr(colors[i][k], 1.0f));
 }
 
+/// The ways in which a mesh is bent, in the order in which they are met.
+class Bends {
+public:
+    size_t add(Bend bend) {
+        const auto [entry, isNew] = known_.try_emplace({bend.skin, bend.weights}, bends.size());
+        if (isNew) bends.push_back(std::move(bend));
+        return entry->second;
+    }
+    std::vector<Bend> bends;
+
+private:
+    std::map<std::pair<int, std::vector<double>>, size_t> known_;
+};
+
 }  // namespace
 
-void addMeshes(const Document& document, const std::vector<UvSource>& uvSources, Scene& scene, Remarks& remarks) {
-    size_t written = 0;
-    MeshReader reader(document, uvSources, scene, remarks, written);
+std::vector<uint32_t> addMeshes(const Document& document, const std::vector<UvSource>& uvSources,
+                                const std::vector<PlacedNode>& placed, Scene& scene, Remarks& remarks) {
+    const std::vector<tinygltf::Mesh>& meshes = document.model.meshes;
+    std::vector<Bends> waysOf(meshes.size());
+    std::vector<size_t> bendOfPlaced(placed.size(), 0);
+    for (size_t i = 0; i < placed.size(); ++i)
+        if (const tinygltf::Node& node = document.model.nodes[placed[i].node]; node.mesh >= 0)
+            bendOfPlaced[i] = waysOf[node.mesh].add(bendOf(document, node));
+    MeshReader reader(document, uvSources, scene, remarks);
     bool needsDefault = false;
-    for (size_t i = 0; i < document.model.meshes.size(); ++i) {
-        scene.meshes.push_back(reader.read(i));
-        for (const tinygltf::Primitive& primitive : document.model.meshes[i].primitives)
-            needsDefault |= primitive.material < 0;
+    for (size_t i = 0; i < meshes.size(); ++i) {
+        const std::vector<Bend>& bends = waysOf[i].bends;
+        scene.meshes.push_back(reader.read(i, bends.empty() ? Bend{} : bends[0]));
+        for (const tinygltf::Primitive& primitive : meshes[i].primitives) needsDefault |= primitive.material < 0;
     }
-    if (!needsDefault && !scene.materials.empty()) return;
+    std::vector<size_t> firstOther;
+    for (size_t i = 0; i < meshes.size(); ++i) {
+        firstOther.push_back(scene.meshes.size());
+        for (size_t k = 1; k < waysOf[i].bends.size(); ++k) scene.meshes.push_back(reader.read(i, waysOf[i].bends[k]));
+    }
+    std::vector<uint32_t> shown(placed.size(), 0);
+    for (size_t i = 0; i < placed.size(); ++i)
+        if (const int mesh = document.model.nodes[placed[i].node].mesh; mesh >= 0)
+            shown[i] = static_cast<uint32_t>(bendOfPlaced[i] ? firstOther[mesh] + bendOfPlaced[i] - 1 : size_t(mesh));
+    if (!needsDefault && !scene.materials.empty()) return shown;
     // The specification's defaults: a rough white metal.
     Material material;
     material.name = "default";
     material.baseColor = vec3(1.0f);
     material.metallic = 1.0f;
     scene.materials.push_back(std::move(material));
+    return shown;
 }
 
 }  // namespace raig::gltf

@@ -14,13 +14,6 @@ bool isFinite(const dmat4& m) {
     return true;
 }
 
-std::vector<int> parentsOf(const tinygltf::Model& model) {
-    std::vector<int> parents(model.nodes.size(), -1);
-    for (size_t i = 0; i < model.nodes.size(); ++i)
-        for (const int child : model.nodes[i].children) parents[child] = static_cast<int>(i);
-    return parents;
-}
-
 /// Each node has at most one parent, so what no walk from a parentless node reaches is a cycle.
 void checkForest(const Document& document, const std::vector<int>& parents) {
     std::vector<int> open;
@@ -57,33 +50,43 @@ std::vector<int> rootsOf(const Document& document, const std::vector<int>& paren
     return model.scenes[scene].nodes;
 }
 
-void addNode(const Document& document, int index, const dmat4& toWorld, Scene& scene, Remarks& remarks) {
-    const tinygltf::Node& node = document.model.nodes[index];
-    const std::string pointer = fmt::format("/nodes/{}", index);
+void addNode(const Document& document, const PlacedNode& placed, uint32_t mesh, Scene& scene, Remarks& remarks) {
+    const tinygltf::Node& node = document.model.nodes[placed.node];
+    const std::string pointer = fmt::format("/nodes/{}", placed.node);
     if (node.mesh >= 0) {
-        for (const dmat4& copy : copiesOf(document, index)) {
-            const dmat4 placed = toWorld * copy;
-            if (!isFinite(placed)) throw errorAt(document, pointer, "its transform to the world is not finite");
-            scene.instances.push_back({static_cast<uint32_t>(node.mesh), placed});
+        // A skinned mesh is in the world already: its joints have put it there, and its node has no say in it.
+        const dmat4 toWorld = node.skin >= 0 ? dmat4(1.0) : placed.toWorld;
+        for (const dmat4& copy : copiesOf(document, placed.node)) {
+            const dmat4 copyToWorld = toWorld * copy;
+            if (!isFinite(copyToWorld)) throw errorAt(document, pointer, "its transform to the world is not finite");
+            scene.instances.push_back({mesh, copyToWorld});
         }
         if (scene.instances.size() > mostInstances)
             throw limitError("{}#{}: the scene has more than {} instances", document.file, pointer, mostInstances);
     }
     if (node.camera >= 0)
-        if (const auto camera = cameraAt(document, node.camera, toWorld, remarks)) scene.cameras.push_back(*camera);
-    if (const int light = lightOf(document, index); light >= 0)
-        if (const auto placed = lightAt(document, light, toWorld, remarks)) scene.lights.push_back(*placed);
+        if (const auto camera = cameraAt(document, node.camera, placed.toWorld, remarks)) scene.cameras.push_back(*camera);
+    if (const int light = lightOf(document, placed.node); light >= 0)
+        if (const auto shining = lightAt(document, light, placed.toWorld, remarks)) scene.lights.push_back(*shining);
 }
 
 }  // namespace
 
-void addNodes(const Document& document, Scene& scene, Remarks& remarks) {
+std::vector<int> parentsOf(const tinygltf::Model& model) {
+    std::vector<int> parents(model.nodes.size(), -1);
+    for (size_t i = 0; i < model.nodes.size(); ++i)
+        for (const int child : model.nodes[i].children) parents[child] = static_cast<int>(i);
+    return parents;
+}
+
+std::vector<PlacedNode> placeNodes(const Document& document, Remarks& remarks) {
     struct Open {
         int node;
         dmat4 parentToWorld;
     };
     const std::vector<int> parents = parentsOf(document.model);
     checkForest(document, parents);
+    std::vector<PlacedNode> placed;
     std::vector<Open> open;
     const std::vector<int> roots = rootsOf(document, parents, remarks);
     for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({*root, dmat4(1.0)});
@@ -93,10 +96,16 @@ void addNodes(const Document& document, Scene& scene, Remarks& remarks) {
         const dmat4 toWorld = at.parentToWorld * localTransform(document, at.node);
         if (!isFinite(toWorld))
             throw errorAt(document, fmt::format("/nodes/{}", at.node), "its transform to the world is not finite");
-        addNode(document, at.node, toWorld, scene, remarks);
+        placed.push_back({static_cast<size_t>(at.node), toWorld});
         const std::vector<int>& children = document.model.nodes[at.node].children;
         for (auto child = children.rbegin(); child != children.rend(); ++child) open.push_back({*child, toWorld});
     }
+    return placed;
+}
+
+void addNodes(const Document& document, const std::vector<PlacedNode>& placed, const std::vector<uint32_t>& meshes,
+              Scene& scene, Remarks& remarks) {
+    for (size_t i = 0; i < placed.size(); ++i) addNode(document, placed[i], meshes[i], scene, remarks);
 }
 
 }  // namespace raig::gltf

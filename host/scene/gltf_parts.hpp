@@ -3,6 +3,7 @@
 /// All require that checkModel(document) has passed, and throw inputError with a JSON pointer.
 #pragma once
 
+#include "scene/gltf_deform.hpp"
 #include "scene/gltf_document.hpp"
 
 namespace raig::gltf {
@@ -34,14 +35,28 @@ std::vector<Shape> readShapes(const Document& document);
 const Shape* shapeOf(const Document& document, const std::vector<Shape>& shapes, const tinygltf::Primitive& primitive,
                      const std::string& pointer);
 
-/// Appends every mesh, in the file's order. Primitives of one mesh are concatenated, all triangles before all spheres; those
-/// that share their attributes share their vertices. Throws limitError if more than 2^28 vertices or indices would have to
-/// be written out.
-void addMeshes(const Document& document, const std::vector<UvSource>& uvSources, Scene& scene, Remarks& remarks);
+/// The default scene's nodes, in depth-first order, and where they are. Transforms are multiplied in double precision.
+/// Throws if the node graph has a cycle.
+std::vector<PlacedNode> placeNodes(const Document& document, Remarks& remarks);
 
-/// Appends an instance for each mesh, a camera for each camera and a light for each light among the default scene's nodes,
-/// in depth-first order. Transforms are multiplied in double precision. Throws if the node graph has a cycle.
-void addNodes(const Document& document, Scene& scene, Remarks& remarks);
+/// Of each node its parent, or -1.
+std::vector<int> parentsOf(const tinygltf::Model& model);
+
+/// Appends every mesh, in the file's order: bent as the first of `placed` that shows it has it, and, after all of them,
+/// those that are shown bent otherwise, too. Primitives of one mesh are concatenated, all triangles before all spheres;
+/// those that share their attributes share their vertices. Throws limitError if more than 2^28 vertices or indices would
+/// have to be written out. Returns the scene's mesh that each of `placed` shows, 0 for those that show none.
+std::vector<uint32_t> addMeshes(const Document& document, const std::vector<UvSource>& uvSources,
+                                const std::vector<PlacedNode>& placed, Scene& scene, Remarks& remarks);
+
+/// Appends an instance for each mesh, a camera for each camera and a light for each light among `placed`, in their order.
+/// `meshes`: as addMeshes returns them.
+void addNodes(const Document& document, const std::vector<PlacedNode>& placed, const std::vector<uint32_t>& meshes,
+              Scene& scene, Remarks& remarks);
+
+/// A matrix of 16 numbers, column by column; zero ones are read as one that maps all to the origin. Throws if it is not
+/// affine.
+dmat4 readMatrix(const Document& document, const std::vector<double>& numbers, const std::string& pointer);
 
 /// A node's own transform, affine. Throws if it is not.
 dmat4 localTransform(const Document& document, size_t node);

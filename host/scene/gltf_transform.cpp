@@ -21,18 +21,6 @@ dmat4 compose(const dvec3& translation, const dvec4& rotation, const dvec3& scal
             dvec4(2 * (xz + wy), 2 * (yz - wx), 1 - 2 * (xx + yy), 0) * scale.z, dvec4(translation, 1)};
 }
 
-dmat4 readMatrix(const Document& document, const std::vector<double>& numbers, const std::string& pointer) {
-    dmat4 m;
-    for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = numbers[i];
-    // The zero matrix is a way to hide a node that real files use.
-    const bool isZero = std::all_of(numbers.begin(), numbers.end(), [](double x) { return x == 0.0; });
-    const bool isAffine = std::abs(m[0].w) <= affineTolerance && std::abs(m[1].w) <= affineTolerance &&
-                          std::abs(m[2].w) <= affineTolerance && std::abs(m[3].w - 1.0) <= affineTolerance;
-    if (!isZero && !isAffine) throw errorAt(document, pointer, "its last row is not 0 0 0 1");
-    for (int column = 0; column < 4; ++column) m[column].w = column == 3 ? 1.0 : 0.0;
-    return m;
-}
-
 /// Throws unless `numbers` is empty or of `size` elements.
 void checkSize(const Document& document, const std::vector<double>& numbers, size_t size, const std::string& pointer) {
     if (!numbers.empty() && numbers.size() != size)
@@ -67,6 +55,18 @@ int instancingAccessor(const Document& document, const tinygltf::Value& attribut
 }
 
 }  // namespace
+
+dmat4 readMatrix(const Document& document, const std::vector<double>& numbers, const std::string& pointer) {
+    dmat4 m;
+    for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = numbers[i];
+    // The zero matrix is a way to hide a node that real files use.
+    const bool isZero = std::all_of(numbers.begin(), numbers.end(), [](double x) { return x == 0.0; });
+    const bool isAffine = std::abs(m[0].w) <= affineTolerance && std::abs(m[1].w) <= affineTolerance &&
+                          std::abs(m[2].w) <= affineTolerance && std::abs(m[3].w - 1.0) <= affineTolerance;
+    if (!isZero && !isAffine) throw errorAt(document, pointer, "its last row is not 0 0 0 1");
+    for (int column = 0; column < 4; ++column) m[column].w = column == 3 ? 1.0 : 0.0;
+    return m;
+}
 
 dmat4 localTransform(const Document& document, size_t node) {
     const tinygltf::Node& source = document.model.nodes[node];

@@ -5,19 +5,61 @@
 #include "scene/scene.hpp"
 
 #include <filesystem>
+#include <memory>
 #include <span>
 
 namespace raig {
+
+/// A moment of a scene that moves: `seconds` into one of the file's animations. Without seconds, all is at rest: as its
+/// nodes say.
+struct Moment {
+    std::optional<double> seconds;  ///< finite
+    std::string animation;          ///< its name or, if none has that, its index; the first if empty
+};
 
 /// Reads a scene by its file name's ending: .gltf .glb .obj .ply .stl (any case), then completes it.
 ///
 /// Ensures: every index in the scene is in range, numbers other than mesh positions are finite, at least one material and
 /// one camera; lights and sky are as in the file, or a headlight and a sky where it has no light at all (completeScene).
-/// Throws inputError with file and line or JSON pointer if the file cannot be used; limitError if it is too large.
-Scene importScene(const std::filesystem::path& path);
+/// Throws inputError with file and line or JSON pointer if the file cannot be used; limitError if it is too large;
+/// usageError if a moment is wanted, and the file has no such animation.
+Scene importScene(const std::filesystem::path& path, const Moment& moment = {});
+
+/// A .gltf or .glb file, read once and looked at in several moments (scene/gltf.cpp). Throws as importScene does.
+class GltfFile {
+public:
+    explicit GltfFile(const std::filesystem::path& path);
+    ~GltfFile();
+    GltfFile(const GltfFile&) = delete;
+    GltfFile& operator=(const GltfFile&) = delete;
+
+    Scene at(const Moment& moment) const;
+    /// The same, for the last time: images are handed over, not copied.
+    Scene lastAt(const Moment& moment);
+
+private:
+    void finish(Scene& scene, const Moment& moment) const;
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// A scene file that is looked at in several moments, one after the other.
+class MovingScene {
+public:
+    /// Throws usageError if the file is of a format without animations; else as importScene does.
+    explicit MovingScene(const std::filesystem::path& path);
+
+    /// The scene at a moment, completed. A camera that the file lacks is added for the first moment, and stays.
+    Scene at(const Moment& moment);
+
+private:
+    std::filesystem::path path_;
+    GltfFile file_;
+    std::optional<Camera> added_;
+};
 
 /// The importers, one a format. They throw as importScene does, and leave completing to it.
-Scene importGltf(const std::filesystem::path& path);  ///< .gltf and .glb (scene/gltf.cpp)
+Scene importGltf(const std::filesystem::path& path, const Moment& moment = {});  ///< .gltf and .glb (scene/gltf.cpp)
 Scene importObj(const std::filesystem::path& path);   ///< with its .mtl files (scene/obj.cpp)
 Scene importPly(const std::filesystem::path& path);   ///< ASCII and binary of both byte orders (scene/ply.cpp)
 Scene importStl(const std::filesystem::path& path);   ///< ASCII and binary (scene/stl.cpp)

@@ -112,6 +112,12 @@ struct Dropped {
     uint64_t other = 0;      ///< points, lines, and faces of fewer than 3 corners
 };
 
+/// What a file can play.
+struct Clip {
+    std::string name;
+    double seconds = 0.0;  ///< how long it is, as the file declares
+};
+
 struct Scene {
     std::vector<Mesh> meshes;
     std::vector<Instance> instances;
@@ -121,6 +127,7 @@ struct Scene {
     std::vector<Camera> cameras;      ///< at least one, once completed
     Sky sky;
     vec3 ambient{0.0f};               ///< radiance that reaches every surface from everywhere
+    std::vector<Clip> clips;          ///< those of the file, played or not
     uint64_t otherPrimitives = 0;     ///< points, lines, faces of fewer than 3 corners: left out by the importer
     std::vector<std::string> remarks; ///< what was left out, replaced or assumed, one line each
 };

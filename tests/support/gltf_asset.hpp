@@ -38,7 +38,7 @@ public:
     /// Adds an accessor over `values`, in a buffer view of its own. `type` is "VEC3" and the like.
     template <class T>
     int accessor(const std::vector<T>& values, const std::string& type, int componentType, bool normalized = false) {
-        const size_t components = type == "SCALAR" ? 1 : static_cast<size_t>(type[3] - '0');
+        const size_t components = type == "SCALAR" ? 1 : type == "MAT4" ? 16 : static_cast<size_t>(type[3] - '0');
         nlohmann::json accessor = {{"bufferView", view(values)},
                                    {"componentType", componentType},
                                    {"type", type},
@@ -91,13 +91,13 @@ public:
         return file;
     }
 
-    Scene load() const {
+    Scene load(const Moment& moment = {}) const {
         const TemporaryFolder folder;
-        return loadFrom(folder.path);
+        return loadFrom(folder.path, moment);
     }
-    Scene loadFrom(const std::filesystem::path& folder) const {
+    Scene loadFrom(const std::filesystem::path& folder, const Moment& moment = {}) const {
         writeFileAtomically(folder / "asset.glb", glb());
-        return importGltf(folder / "asset.glb");
+        return importGltf(folder / "asset.glb", moment);
     }
 
 private:
