@@ -1,4 +1,4 @@
-// Beginning a tile, and what follows the shadow rays: their light is added, and each slot moves on to its next ray.
+// Beginning a tile, or taking its pixels up again, and what follows the shadow rays: their light is added, and each slot moves on to its next ray.
 //
 // Whoever includes this declares `frame`, `now`, slotList[], states[], rays[], pending[], shadowHits[], contributions[],
 // results[] and the counter `counted` before it, and includes path.glsl.
@@ -9,6 +9,15 @@
 // Slot i of a new tile takes up its pixel. Then slotList[listAt + i] == i.
 void begin(uint i) {
     PathState state = beginPixel(pixelOf(now.firstPixel + i));
+    rays[i] = beginSample(state);
+    states[i] = state;
+    slotList[now.listAt + i] = i;
+}
+
+// Slot i of a new tile goes on with its pixel where states[i] says that it stands: at the start of a sample. Then
+// slotList[listAt + i] == i.
+void resume(uint i) {
+    PathState state = states[i];
     rays[i] = beginSample(state);
     states[i] = state;
     slotList[now.listAt + i] = i;
@@ -26,9 +35,7 @@ vec3 gatheredLight(uint i) {
 }
 
 PixelResult resultOf(PathState state) {
-    precise vec3 mean = state.sum / float(frame.samples);
-    precise float discarded = state.discarded / float(frame.samples);
-    return PixelResult(mean, discarded, state.pixel, state.shadowRays, state.deepest, state.forgotten);
+    return PixelResult(state.sum, state.discarded, state.pixel, state.shadowRays, state.deepest, state.forgotten);
 }
 
 // Turns slot `slot` to a ray that was put off, else to its next sample. Returns false, with its pixel in results[], if there

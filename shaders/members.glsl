@@ -35,7 +35,7 @@ void putAll(PendingRay s) {
 }
 
 void putAll(PixelResult s) {
-    put(s.radiance); put(s.discarded); put(s.pixel); put(s.shadowRays); put(s.deepest); put(s.forgotten);
+    put(s.sum); put(s.discarded); put(s.pixel); put(s.shadowRays); put(s.deepest); put(s.forgotten);
 }
 
 void putAll(PrimaryHit s) {

@@ -41,7 +41,7 @@ void append(Aov aov, const AovSources& sources, size_t i, std::vector<uint32_t>&
         case Aov::albedo:
             return put(hit().albedo);
         case Aov::samples:
-            return words.push_back(sources.samples);
+            return words.push_back(sources.picture.samples.empty() ? sources.samples : sources.picture.samples[i]);
         case Aov::level:
             return words.push_back(sources.picture.levels[i]);
         case Aov::weight:

@@ -10,7 +10,7 @@ namespace raig {
 /// What AOVs are taken from: those of the picture need its levels and costs, the others the hits.
 struct AovSources {
     uint32_t width = 0, height = 0;
-    uint32_t samples = 0;  ///< of each pixel
+    uint32_t samples = 0;  ///< of each pixel, unless the picture knows better
     const Picture& picture;
     const PrimaryHits& hits;
 };

@@ -4,6 +4,7 @@
 #include "app/aov_options.hpp"
 #include "app/chart_options.hpp"
 #include "app/compare_options.hpp"
+#include "app/sampling_options.hpp"
 #include "app/tone_options.hpp"
 #include "app/view_options.hpp"
 #include "app/written_files.hpp"
@@ -198,6 +199,7 @@ void addRender(CLI::App& app, Options& options) {
     addPicture(command, options, 512);
     addMomentOptions(command, options);
     addFrameOptions(command, options);
+    addSamplingOptions(command, options);
     addAovOptions(command, options);
     addToneOptions(command, options);
     addStructure(command, options);
@@ -205,13 +207,14 @@ void addRender(CLI::App& app, Options& options) {
     command.footer("Examples:\n"
                    "  raig render scene.glb -o out.png\n"
                    "  raig render scene.obj -o out.exr --size 1280x720 --spp 16 --device cpu\n"
+                   "  raig render scene.glb -o out.png --adaptive 0.01\n"
                    "  raig render glass.glb -o out.png --max-depth 20 --min-contribution 1/4096\n"
                    "  raig render bunny.ply -o out.png --eye 1,2,3 --fov 30\n"
                    "  raig render room.glb -o part.png --size 4096x4096 --crop 1024,2048,256,256\n"
                    "  raig render room.glb -o sharp.png --aperture 0.05 --focus 2.5 --spp 64\n"
                    "  raig render room.glb -o out.png --exposure auto --tonemap aces\n"
                    "  raig render walk.glb -o walk.png --frames 0:47 --fps 24\n" +
-                   aovExamples() + viewHelp + animationHelp + toneHelp + aovHelp());
+                   aovExamples() + viewHelp + samplingHelp + animationHelp + toneHelp + aovHelp());
 }
 
 void addTrace(CLI::App& app, Options& options) {
@@ -440,6 +443,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     checkNoneIsEmpty(app);
     checkAnimationOptions(options);
     checkViewOptions(options);
+    checkSamplingOptions(options);
     checkToneOptions(options);
     checkWrittenFiles(options);
     return options;

@@ -4,6 +4,7 @@
 #include "app/aov_options.hpp"
 #include "app/commands.hpp"
 #include "app/progress.hpp"
+#include "app/sampling_options.hpp"
 #include "app/setup.hpp"
 #include "app/tone_options.hpp"
 #include "app/view_options.hpp"
@@ -21,8 +22,6 @@
 namespace raig {
 
 namespace {
-
-constexpr uint32_t defaultSamples = 4;
 
 struct Discarded {
     double mean = 0.0;
@@ -46,7 +45,8 @@ bool isWanted(const Options& options, Aov aov) {
 }
 
 FrameOptions frameOptionsOf(const Options& options, Scene& scene) {
-    FrameOptions frame = frameOptions(options, scene, defaultSamples);
+    FrameOptions frame = frameOptions(options, scene, defaultSamples(options));
+    setSampling(options, frame);
     frame.keepsLevels = isWanted(options, Aov::level);
     frame.countsCosts = isWanted(options, Aov::cost);
     return frame;
@@ -104,11 +104,12 @@ struct Shown {
     Tone tone = Tone::none;
 };
 
-Notes notesOf(const Options& options, const FrameOptions& frame, const Setup& setup, const Shown& shown) {
+Notes notesOf(const Options& options, const FrameOptions& frame, const Setup& setup, const Picture& picture,
+              const Shown& shown) {
     Notes notes = {{"Software", "raig"},
                    {"Scene", options.inputs.front().filename().string()},
                    {"Recursion", fmt::format("NIVELL_MAX {}, MIN_CONTRIB {}", frame.maxDepth, options.minContribution)},
-                   {"Samples", fmt::format("{} a pixel, seed {}", frame.samples, frame.seed)},
+                   {"Samples", samplingText(frame, picture)},
                    {"Structure", setup.structure.name}};
     if (options.view) notes.emplace_back("Shows", typeOf(*options.view).name);
     if (options.moment.seconds) notes.emplace_back("Time", fmt::format("{} s", *options.moment.seconds));
@@ -122,12 +123,15 @@ Notes notesOf(const Options& options, const FrameOptions& frame, const Setup& se
     return notes;
 }
 
-void describe(const Picture& picture, const Crop& part, const Discarded& discarded) {
+void describe(const Picture& picture, const FrameOptions& frame, const Discarded& discarded) {
+    const Crop part = frame.part();
     const FrameStatistics& s = picture.statistics;
     log::note(
         "picture: {} x {} in {:.3f} s ({:.3f} s of it to set up): {:.2f} Mrays, {:.2f} Mrays/s while tracing, depth {}",
         picture.width, picture.height, s.seconds, s.setupSeconds, raysTraced(s) * 1e-6,
         raysTraced(s) * 1e-6 / std::max(s.traceSeconds, 1e-9), s.deepest);
+    if (frame.tolerance > 0.0)
+        log::note("samples: {}; {} pixels may be farther off", samplingText(frame, picture), s.unsettled);
     log::note("discarded weight: {:.2e} on average, {:.2e} at worst, in pixel ({}, {})", discarded.mean, discarded.worst,
               part.x + discarded.worstPixel % part.width, part.y + discarded.worstPixel / part.width);
     if (s.openMaterials > 0)
@@ -207,11 +211,11 @@ nlohmann::ordered_json renderOne(Options& options, Setup& setup) {
     Shown shown;
     if (!options.view) shown = {showLight(options, view.image), options.tone};
     const uint64_t nonFinite =
-        std::max(nonFiniteLight, writeAll(options, view.image, sources, notesOf(options, frame, setup, shown)));
+        std::max(nonFiniteLight, writeAll(options, view.image, sources, notesOf(options, frame, setup, picture, shown)));
     if (nonFinite > 0) log::warn("{}: {} pixels are not finite", options.output.string(), nonFinite);
 
     const Discarded discarded = measureDiscarded(picture);
-    if (needsPicture(options)) describe(picture, part, discarded);
+    if (needsPicture(options)) describe(picture, frame, discarded);
     if (view.range)
         log::note("view: {} from {:.6g} to {:.6g}", typeOf(*options.view).name, view.range->first, view.range->second);
     const bool isBlack = options.exposure == Exposure::suitable && shown.stops == 0.0;  // as far as can be told
@@ -221,6 +225,7 @@ nlohmann::ordered_json renderOne(Options& options, Setup& setup) {
     }
     if (!options.json) return {};
     nlohmann::ordered_json document = toJson(setup, frame, picture, discarded);
+    addSampling(frame, picture, document);
     document["output"] = options.output.string();
     document["time"] = options.moment.seconds ? nlohmann::json(*options.moment.seconds) : nlohmann::json(nullptr);
     document["exposure"] = shown.stops;

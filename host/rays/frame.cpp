@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "rays/adaptive.hpp"
 #include "rays/frame_kernels.hpp"
 #include "rays/frame_tiles.hpp"
 
@@ -76,16 +77,16 @@ private:
     std::vector<uint32_t> list_;
 };
 
-/// Steps one tile to its end. `report(atWork, tile)` after each step.
+/// Steps one tile to its end, from `first` on: begin or resume. `report(atWork, tile)` after each step.
 template <class Report>
-TileRun runTile(FrameTiles& tiles, const FrameParams& params, uint32_t firstPixel, uint32_t count, TileCosts* costs,
-                const Report& report) {
+TileRun runTile(FrameTiles& tiles, const FrameParams& params, FrameKernel first, uint32_t firstPixel, uint32_t count,
+                TileCosts* costs, const Report& report) {
     TileRun tile;
     const auto run = [&](FrameKernel kernel, const TileStep& step) {
         tile.longestSeconds = std::max(tile.longestSeconds, tiles.run(kernel, step));
     };
     TileStep step{.count = count, .listAt = 0, .nextAt = params.slots, .compacts = 0, .firstPixel = firstPixel};
-    run(FrameKernel::begin, step);
+    run(first, step);
     for (uint32_t atWork = count; atWork > 0;) {
         tile.traceSeconds += costs ? costs->trace(tiles, step) : tiles.trace(step.count);
         run(FrameKernel::shade, step);
@@ -104,17 +105,6 @@ TileRun runTile(FrameTiles& tiles, const FrameParams& params, uint32_t firstPixe
         report(atWork, tile);
     }
     return tile;
-}
-
-/// Puts a pixel where it belongs in the part that is rendered.
-void take(const PixelResult& result, const FrameParams& params, Picture& picture) {
-    const size_t at = placeInPart(result.pixel, params);
-    picture.radiance[at] = result.radiance;
-    picture.discarded[at] = result.discarded;
-    picture.statistics.shadowRays += result.shadowRays;
-    picture.statistics.forgottenMedia += result.forgotten;
-    picture.statistics.deepest = std::max(picture.statistics.deepest, result.deepest);
-    if (!picture.levels.empty()) picture.levels[at] = result.deepest;
 }
 
 }  // namespace
@@ -143,6 +133,7 @@ uint32_t chooseSlots(uint32_t wanted, uint64_t mostSlots, const FrameData& data)
 void checkOptions(const Scene& scene, const FrameOptions& options) {
     RAIG_CHECK(options.width > 0 && options.height > 0);
     RAIG_CHECK(options.samples > 0 && options.samples <= 65536);
+    RAIG_CHECK(options.tolerance == 0.0 || (options.tolerance > 0.0 && options.samples >= firstSamples));
     RAIG_CHECK_OP(options.camera, <, scene.cameras.size());
     RAIG_CHECK(options.focus > 0.0f && options.aperture >= 0.0f && options.aperture <= 1e6 * options.focus);
     const Crop part = options.part();
@@ -165,41 +156,86 @@ void checkLights(const Scene& scene) {
         throw limitError("the scene has {} lights; at most 32768 can be asked by every point", scene.lights.size());
 }
 
-void renderTiles(FrameTiles& tiles, const FrameData& data, const FrameOptions& options, const FrameProgress& progress,
-                 Picture& picture) {
-    const Crop part = options.part();
-    const auto pixels = static_cast<uint32_t>(part.pixels());
-    picture.width = part.width;
-    picture.height = part.height;
+FramePasses::FramePasses(FrameTiles& tiles, const FrameData& data, const FrameOptions& options,
+                         const FrameProgress& progress, Picture& picture)
+    : tiles_(tiles), params_(data.params), options_(options), progress_(progress), picture_(picture) {
+    const size_t pixels = size_t{params_.partWidth} * params_.partHeight;
+    picture.width = params_.partWidth;
+    picture.height = params_.partHeight;
     picture.radiance.resize(pixels);
     picture.discarded.resize(pixels);
     picture.statistics.openMaterials = data.media.openMaterials;
     if (options.keepsLevels) picture.levels.resize(pixels);
     if (options.countsCosts) picture.costs.resize(pixels);
-    TileSize size(tiles, options.tilePixels);
+}
+
+void FramePasses::begin(uint32_t samples, double share) {
+    run(FrameKernel::begin, static_cast<uint32_t>(picture_.radiance.size()), samples, share, [](uint32_t, uint32_t) {});
+}
+
+void FramePasses::resume(std::span<const uint32_t> places, uint32_t from, uint32_t to, double share) {
+    FrameKernels kernels;
+    std::vector<PathState> states;
+    const auto send = [&](uint32_t first, uint32_t count) {
+        states.clear();
+        for (const uint32_t place : places.subspan(first, count)) {
+            states.push_back(kernels.beginPixel(pixelAtPlace(place, params_)));
+            states.back().sum = picture_.radiance[place];
+            states.back().discarded = picture_.discarded[place];
+            states.back().sampleIndex = from;
+        }
+        tiles_.sendStates(states);
+    };
+    run(FrameKernel::resume, static_cast<uint32_t>(places.size()), to, share, send);
+}
+
+template <class Prepare>
+void FramePasses::run(FrameKernel firstKernel, uint32_t pixels, uint32_t samples, double share, const Prepare& prepare) {
+    tiles_.setSamples(samples);
+    TileSize size(tiles_, options_.tilePixels);
     std::vector<PixelResult> results;
-    double rays = 0.0;
     for (uint32_t first = 0; first < pixels;) {
         const uint32_t count = std::min(size.next(), pixels - first);
         const auto report = [&](uint32_t atWork, const TileRun& tile) {
-            const auto tileRays = double(tile.closestRays + tile.shadowRays);
-            if (progress) progress(double(first + (count - atWork)) / pixels, rays + tileRays);
+            const double part = double(first + (count - atWork)) / pixels;
+            if (progress_) progress_(done_ + part * (share - done_), rays_ + double(tile.closestRays + tile.shadowRays));
         };
         std::optional<TileCosts> costs;
-        if (options.countsCosts) costs.emplace(count);
-        const TileRun tile = runTile(tiles, data.params, first, count, costs ? &*costs : nullptr, report);
+        if (options_.countsCosts) costs.emplace(count);
+        prepare(first, count);
+        const TileRun tile = runTile(tiles_, params_, firstKernel, first, count, costs ? &*costs : nullptr, report);
         size.learn(tile.longestSeconds);
-        rays += double(tile.closestRays + tile.shadowRays);
-        picture.statistics.closestRays += tile.closestRays;
+        rays_ += double(tile.closestRays + tile.shadowRays);
         results.resize(count);
-        tiles.read(results);
-        for (const PixelResult& result : results) take(result, data.params, picture);
-        for (uint32_t slot = 0; costs && slot < count; ++slot)
-            picture.costs[placeInPart(results[slot].pixel, data.params)] = costs->ofSlot[slot];
-        picture.statistics.traceSeconds += tile.traceSeconds;
-        ++picture.statistics.tiles;
+        tiles_.read(results);
+        for (uint32_t slot = 0; slot < count; ++slot) take(results[slot], costs ? costs->ofSlot[slot] : 0);
+        picture_.statistics.closestRays += tile.closestRays;
+        picture_.statistics.traceSeconds += tile.traceSeconds;
+        ++picture_.statistics.tiles;
         first += count;
     }
+    done_ = share;
+}
+
+void FramePasses::take(const PixelResult& result, uint32_t cost) {
+    const size_t at = placeInPart(result.pixel, params_);
+    picture_.radiance[at] = result.sum;
+    picture_.discarded[at] = result.discarded;
+    picture_.statistics.shadowRays += result.shadowRays;
+    picture_.statistics.forgottenMedia += result.forgotten;
+    picture_.statistics.deepest = std::max(picture_.statistics.deepest, result.deepest);
+    if (options_.keepsLevels) picture_.levels[at] = std::max(picture_.levels[at], result.deepest);
+    if (options_.countsCosts) picture_.costs[at] += cost;
+}
+
+void renderTiles(FrameTiles& tiles, const FrameData& data, const FrameOptions& options, const FrameProgress& progress,
+                 Picture& picture) {
+    FramePasses passes(tiles, data, options, progress, picture);
+    if (options.tolerance > 0.0) return renderAdaptively(passes, options, picture);
+    passes.begin(options.samples, 1.0);
+    const auto samples = static_cast<float>(options.samples);
+    for (vec3& radiance : picture.radiance) radiance = radiance / samples;
+    for (float& discarded : picture.discarded) discarded = discarded / samples;
 }
 
 std::vector<Ray> cameraRays(const Scene& scene, const FrameOptions& options, uint32_t sampleIndex) {

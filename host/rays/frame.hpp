@@ -31,7 +31,8 @@ namespace raig {
 struct FrameOptions {
     uint32_t width = 512;
     uint32_t height = 512;
-    uint32_t samples = 4;                     ///< a pixel; 1 goes through its centre
+    uint32_t samples = 4;                     ///< a pixel, or with a tolerance at most; 1 goes through its centre
+    double tolerance = 0.0;                   ///< > 0: pixels get samples until their error is less (rays/adaptive.hpp)
     uint32_t maxDepth = 8;                    ///< NIVELL_MAX: reflections and refractions below the camera ray
     float minContribution = 1.0f / 512.0f;    ///< MIN_CONTRIB
     uint32_t seed = 0;
@@ -54,6 +55,7 @@ struct FrameStatistics {
     uint32_t deepest = 0;       ///< reflections and refractions of the deepest ray
     uint64_t forgottenMedia = 0;  ///< how often rays entered more things within each other than they remember
     uint32_t openMaterials = 0;   ///< of glass that may hold or lie in other things, but is not closed: Media
+    uint64_t unsettled = 0;     ///< pixels whose error is above the tolerance, where there is one
     uint32_t tiles = 0;
     double seconds = 0.0;       ///< wall time, from the scene in memory to the picture in memory
     double traceSeconds = 0.0;  ///< of which in finding hits
@@ -67,6 +69,7 @@ struct Picture {
     std::vector<vec3> radiance;    ///< linear RGB, row by row from the top
     std::vector<float> discarded;  ///< of each pixel, the weight of the rays that were not followed: times the scene's
                                    ///< greatest radiance, it bounds what NIVELL_MAX and MIN_CONTRIB left out
+    std::vector<uint32_t> samples; ///< of each pixel, where they are not all alike
     std::vector<uint32_t> levels;  ///< of each pixel, reflections and refractions of its deepest ray; where asked for
     std::vector<uint32_t> costs;   ///< of each pixel, nodes fetched and primitives tested by all its rays; where asked for
     FrameStatistics statistics;

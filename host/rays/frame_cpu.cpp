@@ -1,4 +1,5 @@
 #include "base/parallel.hpp"
+#include "rays/adaptive.hpp"
 #include "rays/frame_kernels.hpp"
 #include "rays/frame_tiles.hpp"
 
@@ -46,6 +47,8 @@ public:
         kernels_.scene = data.elements;
     }
 
+    void setSamples(uint32_t samples) override { kernels_.frame.samples = samples; }
+    void sendStates(std::span<const PathState> states) override { std::ranges::copy(states, states_.begin()); }
     uint32_t slots() const override { return slots_; }
     double longestSeconds() const override { return 0.05; }
 
@@ -89,6 +92,7 @@ private:
             case FrameKernel::begin: return kernels_.begin(i);
             case FrameKernel::shade: return kernels_.shade(i);
             case FrameKernel::gather: return kernels_.gather(i);
+            case FrameKernel::resume: return kernels_.resume(i);
         }
     }
 
@@ -113,7 +117,7 @@ Picture renderPicture(const Scene& scene, const Geometry& geometry, Tracer& trac
     const Clock::time_point start = Clock::now();
     checkOptions(scene, options);
     FrameData data = packFrame(scene, geometry);
-    setView(scene, geometry, options, data);
+    setView(scene, geometry, withMargin(options), data);
     data.features = withOptions(data.features, options);
     constexpr uint64_t tileBytes = uint64_t{64} << 20;
     CpuTiles tiles(data, tracer, chooseSlots(options.tilePixels, tileBytes / slotBytes(data).all, data));

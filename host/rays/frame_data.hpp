@@ -37,4 +37,9 @@ inline size_t placeInPart(uint32_t pixel, const shared::FrameParams& params) {
     return size_t{y} * params.partWidth + x;
 }
 
+/// The other way.
+inline uint32_t pixelAtPlace(uint32_t place, const shared::FrameParams& params) {
+    return (params.top + place / params.partWidth) * params.width + params.left + place % params.partWidth;
+}
+
 }  // namespace raig

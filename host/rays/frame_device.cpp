@@ -1,5 +1,6 @@
 #include "base/error.hpp"
 #include "device/commands.hpp"
+#include "rays/adaptive.hpp"
 #include "rays/frame_tiles.hpp"
 #include "rays/kernels.hpp"
 
@@ -17,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 constexpr uint32_t groupSize = 256;
-constexpr std::array<const char*, 3> kernelNames = {"begin", "shade", "gather"};
+constexpr std::array<const char*, 4> kernelNames = {"begin", "shade", "gather", "resume"};  // as FrameKernel has them
 
 Kernel makeKernel(Device& device, const char* base, uint32_t features, const BigArray& scene) {
     const std::string name = std::string(base) + (device.loadsTexel() ? "_texel" : "_storage");
@@ -35,7 +36,7 @@ class DeviceTiles : public FrameTiles {
 public:
     DeviceTiles(Device& device, const FrameData& data, const BigArray& scene, std::span<Kernel> kernels, Commands& commands,
                 DeviceTracer& tracer)
-        : tracer_(tracer), kernels_(kernels), commands_(commands), slots_(data.params.slots),
+        : tracer_(tracer), kernels_(kernels), commands_(commands), params_(data.params), slots_(data.params.slots),
           software_(device.info().type == DeviceType::software), frame_(device, sizeof(FrameParams)),
           count_(device, sizeof(uint32_t)), list_(device, 2 * sizeof(uint32_t) * uint64_t{slots_}),
           states_(device, sizeof(PathState) * uint64_t{slots_}), rays_(device, sizeof(Ray) * uint64_t{slots_}),
@@ -43,10 +44,15 @@ public:
           pending_(device, sizeof(PendingRay) * std::max<uint64_t>(1, uint64_t{slots_} * slotBytes(data).pendingRays)),
           shadowRays_(device, sizeof(Ray) * shadowRoom(data)), shadowHits_(device, sizeof(Hit) * shadowRoom(data)),
           contributions_(device, sizeof(vec4) * shadowRoom(data)), results_(device, sizeof(PixelResult) * uint64_t{slots_}) {
-        frame_.uploadValues(std::span<const FrameParams>(&data.params, 1));
+        setSamples(params_.samples);
         for (Kernel& kernel : kernels_) bindAll(kernel, scene);
     }
 
+    void setSamples(uint32_t samples) override {
+        params_.samples = samples;
+        frame_.uploadValues(std::span<const FrameParams>(&params_, 1));
+    }
+    void sendStates(std::span<const PathState> states) override { states_.uploadValues(states); }
     uint32_t slots() const override { return slots_; }
     double longestSeconds() const override { return software_ ? 2.0 : 0.05; }
 
@@ -91,6 +97,7 @@ private:
     DeviceTracer& tracer_;
     std::span<Kernel> kernels_;
     Commands& commands_;
+    FrameParams params_;
     uint32_t slots_;
     bool software_;
     Buffer frame_, count_, list_, states_, rays_, hits_, pending_, shadowRays_, shadowHits_, contributions_, results_;
@@ -115,12 +122,12 @@ struct DeviceFrame::State {
         data.elements = {};
     }
 
-    /// Makes the kernels for what the scene and a picture have, unless the last picture's are such.
-    void specialize(uint32_t features) {
-        if (!kernels.empty() && features == data.features) return;
+    /// Makes the kernels for what the scene and a picture have, unless the last picture's are such; `resumes`: all of them.
+    void specialize(uint32_t features, bool resumes) {
+        if (features != data.features) kernels.clear();
         data.features = features;
-        kernels.clear();
-        for (const char* name : kernelNames) kernels.push_back(makeKernel(device, name, features, elements));
+        for (size_t i = kernels.size(); i < kernelNames.size() - (resumes ? 0 : 1); ++i)
+            kernels.push_back(makeKernel(device, kernelNames[i], features, elements));
     }
 
     Device& device;
@@ -147,8 +154,8 @@ Picture DeviceFrame::render(const FrameOptions& options, const FrameProgress& pr
     const Clock::time_point start = Clock::now();
     State& state = *state_;
     checkOptions(state.scene, options);
-    setView(state.scene, state.geometry, options, state.data);
-    state.specialize(withOptions(state.data.features, options));
+    setView(state.scene, state.geometry, withMargin(options), state.data);
+    state.specialize(withOptions(state.data.features, options), options.tolerance > 0.0);
     state.data.params.slots = chooseSlots(options.tilePixels, mostSlots(state.device, state.data), state.data);
     DeviceTiles tiles(state.device, state.data, state.elements, state.kernels, state.commands, state.tracer);
     Picture picture;

@@ -7,7 +7,7 @@
 
 namespace raig {
 
-enum class FrameKernel { begin, shade, gather };
+enum class FrameKernel { begin, shade, gather, resume };
 
 /// Bytes of memory that one slot takes: its states, rays and hits, of which the largest array takes `largest`.
 struct SlotBytes {
@@ -23,6 +23,10 @@ class FrameTiles {
 public:
     virtual ~FrameTiles() = default;
 
+    /// What pixels are rendered to from now on. At first, data.params.samples.
+    virtual void setSamples(uint32_t samples) = 0;
+    /// Where the first states.size() slots stand before they resume.
+    virtual void sendStates(std::span<const shared::PathState> states) = 0;
     /// Slots there is room for; > 0.
     virtual uint32_t slots() const = 0;
     /// No call of run() should take longer.
@@ -45,6 +49,40 @@ public:
 
 /// `wanted` slots, or as many as `mostSlots`, and no more than the picture has pixels.
 uint32_t chooseSlots(uint32_t wanted, uint64_t mostSlots, const FrameData& data);
+
+/// A picture made in passes, each over tiles. Until the last is done, `picture` holds sums over the samples, not means.
+class FramePasses {
+public:
+    /// Gives `picture` its size. All must outlive this.
+    FramePasses(FrameTiles& tiles, const FrameData& data, const FrameOptions& options, const FrameProgress& progress,
+                Picture& picture);
+
+    /// The first `samples` of every pixel. `share`: of the picture's work, what will then be done.
+    void begin(uint32_t samples, double share);
+    /// Samples `from` <= index < `to` of some pixels, which are named by their places in `picture` and have `from` of them.
+    /// The sums have the same bits as if all were made at once.
+    void resume(std::span<const uint32_t> places, uint32_t from, uint32_t to, double share);
+
+    const shared::FrameParams& params() const { return params_; }
+    double shareDone() const { return done_; }
+    /// Tells that all is done.
+    void finish() {
+        if (progress_) progress_(1.0, rays_);
+    }
+
+private:
+    template <class Prepare>
+    void run(FrameKernel firstKernel, uint32_t pixels, uint32_t samples, double share, const Prepare& prepare);
+    void take(const shared::PixelResult& result, uint32_t cost);
+
+    FrameTiles& tiles_;
+    const shared::FrameParams& params_;
+    const FrameOptions& options_;
+    const FrameProgress& progress_;
+    Picture& picture_;
+    double done_ = 0.0;
+    double rays_ = 0.0;
+};
 
 /// Renders all tiles. `picture` gets everything but setup seconds.
 void renderTiles(FrameTiles& tiles, const FrameData& data, const FrameOptions& options, const FrameProgress& progress,

@@ -87,10 +87,10 @@ struct PendingRay {
     uint media;
 };
 
-// A finished pixel.
+// A pixel that has all its samples, for now.
 struct PixelResult {
-    vec3 radiance;
-    float discarded;
+    vec3 sum;         // radiance of all samples
+    float discarded;  // discarded weight of all samples
     uint pixel;
     uint shadowRays;
     uint deepest;

@@ -1,0 +1,83 @@
+#include "app/sampling_options.hpp"
+
+#include "base/error.hpp"
+#include "rays/adaptive.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <charconv>
+
+namespace raig {
+
+namespace {
+
+constexpr uint32_t usualSamples = 4;
+constexpr uint32_t usualMost = 1024;
+
+}  // namespace
+
+const char* const samplingHelp =
+    "--adaptive: each pixel gets 8 samples, and twice as many again and again while its error is estimated to be above the\n"
+    "tolerance, up to --spp (default: 1024). Errors are root mean squares in linear light, whatever the exposure; the\n"
+    "picture's is about the tolerance. --view samples shows where samples went.\n";
+
+void addSamplingOptions(CLI::App& command, Options& options) {
+    const auto parse = [&options](const std::string& text) {
+        double tolerance = 0.0;
+        const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), tolerance);
+        const bool isNumber = fault == std::errc{} && end == text.data() + text.size();
+        if (!isNumber || !(tolerance > 0.0 && tolerance < INFINITY))
+            throw usageError("--adaptive {}: an error above 0 is wanted, in linear light, as 0.01", text);
+        options.tolerance = tolerance;
+    };
+    command
+        .add_option_function<std::string>("--adaptive", parse,
+                                          "samples where they are needed, until the error of pixels is below this")
+        ->type_name("TOLERANCE");
+}
+
+void checkSamplingOptions(const Options& options) {
+    if (options.tolerance > 0.0 && options.samples > 0 && options.samples < firstSamples)
+        throw usageError("--spp {}: with --adaptive, which begins with {} samples a pixel, it is the most: {} or more",
+                         options.samples, firstSamples, firstSamples);
+}
+
+uint32_t defaultSamples(const Options& options) {
+    return options.tolerance > 0.0 ? usualMost : usualSamples;
+}
+
+void setSampling(const Options& options, FrameOptions& frame) {
+    frame.tolerance = options.tolerance;
+}
+
+SampleCounts countSamples(const FrameOptions& frame, const Picture& picture) {
+    const std::vector<uint32_t>& samples = picture.samples;
+    if (samples.empty()) return {frame.samples, frame.samples, double(frame.samples)};
+    SampleCounts counts{samples.front(), samples.front(), 0.0};
+    for (const uint32_t count : samples) {
+        counts.least = std::min(counts.least, count);
+        counts.most = std::max(counts.most, count);
+        counts.mean += count;
+    }
+    counts.mean /= double(samples.size());
+    return counts;
+}
+
+std::string samplingText(const FrameOptions& frame, const Picture& picture) {
+    const SampleCounts counts = countSamples(frame, picture);
+    if (counts.least == counts.most && frame.tolerance == 0.0)
+        return fmt::format("{} a pixel, seed {}", counts.most, frame.seed);
+    return fmt::format("{} to {} a pixel, {:.2f} on average, seed {}; tolerance {}, at most {}", counts.least, counts.most,
+                       counts.mean, frame.seed, frame.tolerance, frame.samples);
+}
+
+void addSampling(const FrameOptions& frame, const Picture& picture, nlohmann::ordered_json& document) {
+    const SampleCounts counts = countSamples(frame, picture);
+    document["samples_a_pixel"] = {{"min", counts.least}, {"mean", counts.mean}, {"max", counts.most}};
+    if (frame.tolerance == 0.0) return;
+    document["tolerance"] = frame.tolerance;
+    document["unsettled_pixels"] = picture.statistics.unsettled;
+}
+
+}  // namespace raig

@@ -1,0 +1,44 @@
+/// How a picture is sampled: the options of `raig render`, what becomes of them, and what is told of it.
+#pragma once
+
+#include "app/options.hpp"
+#include "rays/frame.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace CLI {
+class App;
+}
+
+namespace raig {
+
+/// Adds --adaptive. It throws usageError for what is no tolerance.
+void addSamplingOptions(CLI::App& command, Options& options);
+
+/// The lines of --help that tell what these options do to each other.
+extern const char* const samplingHelp;
+
+/// Throws usageError for fewer samples than errors can be estimated from.
+void checkSamplingOptions(const Options& options);
+
+/// Samples a pixel, or the most of them, where --spp is not given.
+uint32_t defaultSamples(const Options& options);
+
+/// Puts what is asked for into `frame`.
+void setSampling(const Options& options, FrameOptions& frame);
+
+/// How many samples the pixels of a picture have.
+struct SampleCounts {
+    uint32_t least = 0;
+    uint32_t most = 0;
+    double mean = 0.0;
+};
+SampleCounts countSamples(const FrameOptions& frame, const Picture& picture);
+
+/// The same in words.
+std::string samplingText(const FrameOptions& frame, const Picture& picture);
+
+/// Adds it to what --json prints.
+void addSampling(const FrameOptions& frame, const Picture& picture, nlohmann::ordered_json& document);
+
+}  // namespace raig
