@@ -241,6 +241,58 @@ TEST(AdaptiveFrame, HasTheErrorOf64SamplesForHalfTheRaysInTheCornellBox) {
     RecordProperty("rays_adaptive", std::to_string(raysOf(picture)));
 }
 
+FrameOptions within(double seconds, FrameOptions options) {
+    using Clock = std::chrono::steady_clock;
+    options.deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+    return options;
+}
+
+// How many samples that gives is the machine's; what they give is not.
+TEST(TimedFrame, IsThatOfTheSamplesThatWentIntoTheTime) {
+    const Stage stage(softScene());
+    for (const double tolerance : {0.0, 0.01}) {
+        FrameOptions options = adaptive(24, 20, tolerance, 65536);
+        options.countsCosts = true;
+        const Picture timed = stage.onCpu(within(0.3, options));
+        EXPECT_GE(timed.statistics.samples, tolerance > 0.0 ? 8u : 2u);
+        EXPECT_LT(timed.statistics.samples, 65536u) << "or this shows nothing";
+        options.samples = timed.statistics.samples;
+        const Picture again = stage.onCpu(options);
+        EXPECT_EQ(again.statistics.samples, timed.statistics.samples);
+        EXPECT_EQ(timed.radiance, again.radiance);
+        EXPECT_EQ(timed.discarded, again.discarded);
+        EXPECT_EQ(timed.samples, again.samples);
+        EXPECT_EQ(timed.levels, again.levels);
+        EXPECT_EQ(timed.costs, again.costs);
+        EXPECT_EQ(timed.statistics.unsettled, again.statistics.unsettled);
+    }
+}
+
+TEST(TimedFrame, IsWholeHoweverLittleTimeThereIs) {
+    const Stage stage(softScene());
+    FrameOptions options = adaptive(24, 20, 0.0, 1);
+    const Picture centres = stage.onCpu(options);
+    options.samples = 64;
+    for (const double tolerance : {0.0, 0.01}) {
+        options.tolerance = tolerance;
+        const Picture picture = stage.onCpu(within(0.0, options));
+        EXPECT_EQ(picture.statistics.samples, 1u);
+        EXPECT_EQ(picture.radiance, centres.radiance) << "through the pixels' centres";
+    }
+}
+
+TEST(TimedFrame, EndsBySamplesWhereThereIsTime) {
+    const Stage stage(softScene());
+    for (const double tolerance : {0.0, 0.01})
+        for (const uint32_t samples : {8u, 21u, 64u}) {
+            const FrameOptions options = adaptive(12, 10, tolerance, samples);
+            const Picture want = stage.onCpu(options), picture = stage.onCpu(within(1000.0, options));
+            EXPECT_EQ(picture.statistics.samples, want.statistics.samples);
+            EXPECT_EQ(picture.radiance, want.radiance) << samples;
+            EXPECT_EQ(picture.samples, want.samples);
+        }
+}
+
 class AdaptiveOnDevice : public OnEveryDevice {};
 INSTANTIATE_TEST_SUITE_P(Devices, AdaptiveOnDevice, testing::ValuesIn(devicesToTest()), testName);
 
@@ -258,6 +310,8 @@ TEST_P(AdaptiveOnDevice, EqualsTheCpusToTheBitWhateverTheTiles) {
         EXPECT_EQ(allBitsOf(frame.render(options)), bits) << "tiles of " << tile;
     }
     EXPECT_EQ(allBitsOf(frame.render(uniform)), allBitsOf(stage.onCpu(uniform)));
+    uniform.samples = 20;
+    EXPECT_EQ(frame.render(within(1000.0, uniform)).radiance, stage.onCpu(uniform).radiance);
 }
 
 }  // namespace

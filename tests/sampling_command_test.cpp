@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -81,9 +82,26 @@ TEST_F(SamplingCommand, TheMapOfSamplesIsAView) {
     EXPECT_EQ(uniform.at(20, 4), uniform.at(20, 15));
 }
 
+TEST_F(SamplingCommand, TimeIsKeptAndTellsHowToMakeThePictureAgain) {
+    Image timed, again;
+    const auto start = std::chrono::steady_clock::now();
+    const auto told = document({"--time", "1"}, timed);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    EXPECT_GE(told["samples"], 2);
+    EXPECT_LT(seconds, 3.0) << "with much for a busy machine";
+    document({"--spp", std::to_string(told["samples"].get<int>())}, again);
+    EXPECT_EQ(timed.pixels, again.pixels);
+    const auto soft = document({"--time", "1000", "--adaptive", "0.05", "--spp", "64"}, timed);
+    EXPECT_EQ(soft["samples"], 64);
+    document({"--adaptive", "0.05", "--spp", "64"}, again);
+    EXPECT_EQ(timed.pixels, again.pixels);
+}
+
 TEST_F(SamplingCommand, WhatCannotBeIsRefusedInOneLine) {
     for (const char* value : {"0", "-1", "nan", "inf", "1e-400", "fine", "0.01x", "1/100"})
         expectRefused({std::string("--adaptive=") + value}, "an error above 0");
+    for (const char* value : {"0", "-1", "nan", "inf", "1e7", "soon"})
+        expectRefused({std::string("--time=") + value}, "seconds above 0");
     expectRefused({"--adaptive", "0.01", "--spp", "7"}, "8 or more");
 }
 

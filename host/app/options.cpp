@@ -208,6 +208,7 @@ void addRender(CLI::App& app, Options& options) {
                    "  raig render scene.glb -o out.png\n"
                    "  raig render scene.obj -o out.exr --size 1280x720 --spp 16 --device cpu\n"
                    "  raig render scene.glb -o out.png --adaptive 0.01\n"
+                   "  raig render scene.glb -o out.png --time 10\n"
                    "  raig render glass.glb -o out.png --max-depth 20 --min-contribution 1/4096\n"
                    "  raig render bunny.ply -o out.png --eye 1,2,3 --fov 30\n"
                    "  raig render room.glb -o part.png --size 4096x4096 --crop 1024,2048,256,256\n"

@@ -72,6 +72,7 @@ struct Options {
     // render.
     std::optional<FrameRange> frames;      ///< a picture of each; nothing: one picture
     double framesPerSecond = 24.0;
+    std::optional<double> seconds;         ///< that the picture may take
     double tolerance = 0.0;                ///< of pixels' errors, in linear light; 0: all get as many samples
     Exposure exposure = Exposure::legible;
     double stops = 0.0;                    ///< Exposure::stops

@@ -17,11 +17,14 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 
 namespace raig {
 
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 struct Discarded {
     double mean = 0.0;
@@ -44,9 +47,9 @@ bool isWanted(const Options& options, Aov aov) {
     return options.view == aov || std::ranges::find(options.aovs, aov) != options.aovs.end();
 }
 
-FrameOptions frameOptionsOf(const Options& options, Scene& scene) {
+FrameOptions frameOptionsOf(const Options& options, Clock::time_point start, Scene& scene) {
     FrameOptions frame = frameOptions(options, scene, defaultSamples(options));
-    setSampling(options, frame);
+    setSampling(options, start, frame);
     frame.keepsLevels = isWanted(options, Aov::level);
     frame.countsCosts = isWanted(options, Aov::cost);
     return frame;
@@ -130,6 +133,8 @@ void describe(const Picture& picture, const FrameOptions& frame, const Discarded
         "picture: {} x {} in {:.3f} s ({:.3f} s of it to set up): {:.2f} Mrays, {:.2f} Mrays/s while tracing, depth {}",
         picture.width, picture.height, s.seconds, s.setupSeconds, raysTraced(s) * 1e-6,
         raysTraced(s) * 1e-6 / std::max(s.traceSeconds, 1e-9), s.deepest);
+    if (frame.deadline && frame.tolerance == 0.0)
+        log::note("samples: {} a pixel went into the time; --spp {} gives the same picture", frame.samples, frame.samples);
     if (frame.tolerance > 0.0)
         log::note("samples: {}; {} pixels may be farther off", samplingText(frame, picture), s.unsettled);
     log::note("discarded weight: {:.2e} on average, {:.2e} at worst, in pixel ({}, {})", discarded.mean, discarded.worst,
@@ -198,11 +203,13 @@ void addAovs(const Options& options, const AovView& view, nlohmann::ordered_json
 
 /// Renders the scene that was prepared, as `options` say, writes the picture and tells of it. What --json prints of it.
 /// The exposure of `options` becomes that which was taken, whoever chose it.
-nlohmann::ordered_json renderOne(Options& options, Setup& setup) {
-    const FrameOptions frame = frameOptionsOf(options, setup.scene);
+/// `start`: when the picture's time began.
+nlohmann::ordered_json renderOne(Options& options, Clock::time_point start, Setup& setup) {
+    FrameOptions frame = frameOptionsOf(options, start, setup.scene);
     Picture picture;
     PrimaryHits hits;
     if (needsPicture(options)) picture = makePicture(setup, frame);
+    if (needsPicture(options)) frame.samples = picture.statistics.samples;  // fewer where time was short
     if (needsHits(options)) hits = makeHits(setup, frame);
     const Crop part = frame.part();
     const AovSources sources{part.width, part.height, frame.samples, picture, hits};
@@ -236,15 +243,16 @@ nlohmann::ordered_json renderOne(Options& options, Setup& setup) {
 }
 
 /// A picture of each frame. The exposure that is found for the first holds for all, or they would flicker.
-nlohmann::ordered_json renderFrames(const Options& options, Setup& setup) {
+nlohmann::ordered_json renderFrames(const Options& options, Clock::time_point start, Setup& setup) {
     Options each = options;
     nlohmann::ordered_json documents = nlohmann::ordered_json::array();
     const auto [first, last] = *options.frames;
     for (uint32_t frame = first; frame <= last; ++frame) {
+        if (frame > first) start = Clock::now();
         if (frame > first) moveTo(setup, options, frame);
         each.output = fileOf(options.output, frame);
         each.moment.seconds = secondsOf(options, frame);
-        documents.push_back(renderOne(each, setup));
+        documents.push_back(renderOne(each, start, setup));
         log::note("frame {} ({} of {}): at {:.4g} s, {}", frame, frame - first + 1, last - first + 1, *each.moment.seconds,
                   each.output.string());
     }
@@ -254,9 +262,10 @@ nlohmann::ordered_json renderFrames(const Options& options, Setup& setup) {
 }  // namespace
 
 int render(const Options& options) {
+    const Clock::time_point start = Clock::now();
     const std::unique_ptr<Setup> setup = prepare(options, options.inputs.front());
     Options one = options;
-    const nlohmann::ordered_json document = options.frames ? renderFrames(options, *setup) : renderOne(one, *setup);
+    const nlohmann::ordered_json document = options.frames ? renderFrames(options, start, *setup) : renderOne(one, start, *setup);
     if (options.json) std::puts(document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     return static_cast<int>(ExitCode::done);
 }

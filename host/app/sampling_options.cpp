@@ -14,13 +14,18 @@ namespace {
 
 constexpr uint32_t usualSamples = 4;
 constexpr uint32_t usualMost = 1024;
+constexpr uint32_t mostSamples = 65536;
+constexpr double shareForFiles = 0.04;  // of the time, to write the picture
 
 }  // namespace
 
 const char* const samplingHelp =
     "--adaptive: each pixel gets 8 samples, and twice as many again and again while its error is estimated to be above the\n"
     "tolerance, up to --spp (default: 1024). Errors are root mean squares in linear light, whatever the exposure; the\n"
-    "picture's is about the tolerance. --view samples shows where samples went.\n";
+    "picture's is about the tolerance. --view samples shows where samples went.\n"
+    "--time: the best picture within so many seconds, from the program's start on: with as many samples as go into it, up to\n"
+    "--spp (default: 65536), and those where they are needed if --adaptive is given. How many depends on the machine; the\n"
+    "file and --json say it, and --spp with that number gives the same picture, to the last bit.\n";
 
 void addSamplingOptions(CLI::App& command, Options& options) {
     const auto parse = [&options](const std::string& text) {
@@ -35,6 +40,17 @@ void addSamplingOptions(CLI::App& command, Options& options) {
         .add_option_function<std::string>("--adaptive", parse,
                                           "samples where they are needed, until the error of pixels is below this")
         ->type_name("TOLERANCE");
+    const auto parseTime = [&options](const std::string& text) {
+        double seconds = 0.0;
+        const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), seconds);
+        const bool isNumber = fault == std::errc{} && end == text.data() + text.size();
+        if (!isNumber || !(seconds > 0.0 && seconds <= 1e6))
+            throw usageError("--time {}: seconds above 0 are wanted, up to a million", text);
+        options.seconds = seconds;
+    };
+    command
+        .add_option_function<std::string>("--time", parseTime, "the best picture within so many seconds, up to --spp")
+        ->type_name("SECONDS");
 }
 
 void checkSamplingOptions(const Options& options) {
@@ -44,10 +60,13 @@ void checkSamplingOptions(const Options& options) {
 }
 
 uint32_t defaultSamples(const Options& options) {
+    if (options.seconds) return mostSamples;
     return options.tolerance > 0.0 ? usualMost : usualSamples;
 }
 
-void setSampling(const Options& options, FrameOptions& frame) {
+void setSampling(const Options& options, std::chrono::steady_clock::time_point start, FrameOptions& frame) {
+    const std::chrono::duration<double> time(options.seconds.value_or(0.0) * (1.0 - shareForFiles));
+    if (options.seconds) frame.deadline = start + std::chrono::duration_cast<std::chrono::steady_clock::duration>(time);
     frame.tolerance = options.tolerance;
 }
 

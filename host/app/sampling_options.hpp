@@ -12,7 +12,7 @@ class App;
 
 namespace raig {
 
-/// Adds --adaptive. It throws usageError for what is no tolerance.
+/// Adds --adaptive and --time. They throw usageError for what is no tolerance, or no time.
 void addSamplingOptions(CLI::App& command, Options& options);
 
 /// The lines of --help that tell what these options do to each other.
@@ -24,8 +24,8 @@ void checkSamplingOptions(const Options& options);
 /// Samples a pixel, or the most of them, where --spp is not given.
 uint32_t defaultSamples(const Options& options);
 
-/// Puts what is asked for into `frame`.
-void setSampling(const Options& options, FrameOptions& frame);
+/// Puts what is asked for into `frame`. Time counts from `start` on.
+void setSampling(const Options& options, std::chrono::steady_clock::time_point start, FrameOptions& frame);
 
 /// How many samples the pixels of a picture have.
 struct SampleCounts {

@@ -6,6 +6,7 @@
 #include "rays/frame_tiles.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 namespace raig {
@@ -47,6 +48,35 @@ void cut(Picture& picture, const Crop& part) {
     picture.width = part.width;
     picture.height = part.height;
 }
+
+/// What goes into the time that is left, by how long the last pass took.
+class Pace {
+public:
+    explicit Pace(const FrameOptions& options) : deadline_(options.deadline) {}
+
+    void passBegins() { began_ = Clock::now(); }
+    void passEnds(size_t pixels, uint32_t samples) {
+        pixels_ = double(pixels);
+        perSample_ = secondsOf(Clock::now() - began_) / samples;
+    }
+    /// Samples of so many pixels, at most `wanted`. A few pixels take longer than their share.
+    uint32_t affordable(size_t pixels, uint32_t wanted) const {
+        if (!deadline_) return wanted;
+        const double perSample = caution * perSample_ * std::max(double(pixels) / pixels_, 0.1);
+        const double most = std::max(secondsOf(*deadline_ - Clock::now()), 0.0) / std::max(perSample, 1e-9);
+        return most < wanted ? static_cast<uint32_t>(most) : wanted;
+    }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    static double secondsOf(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
+
+    static constexpr double caution = 1.1;
+    std::optional<Clock::time_point> deadline_;
+    Clock::time_point began_;
+    double pixels_ = 1.0;
+    double perSample_ = 0.0;  ///< of all those pixels
+};
 
 }  // namespace
 
@@ -99,44 +129,80 @@ std::vector<uint32_t> PixelErrors::above(double tolerance, std::span<const uint3
     return result;
 }
 
-void renderAdaptively(FramePasses& passes, const FrameOptions& options, Picture& picture) {
-    PixelErrors errors(picture.width, picture.height);
-    std::vector<uint32_t> places = allPlaces(passes.params());
-    uint32_t samples = firstSamples / 2;
-    picture.samples.assign(places.size(), samples);
-    double work = double(places.size()) * samples;
-    // Of what is to come only so much is known that each pass goes on with fewer pixels.
-    passes.begin(samples, 1.0 / 4.0);
-    std::vector<vec3> before;
-    while (samples < options.samples && !places.empty()) {
-        const uint32_t more = std::min(samples, options.samples - samples);
-        before.clear();
-        for (const uint32_t place : places) before.push_back(picture.radiance[place] / static_cast<float>(samples));
-        const double added = double(places.size()) * more;
-        const double share = std::max(passes.shareDone(), (work + added) / (work + 2.0 * added));
-        passes.resume(places, samples, samples + more, share);
-        work += added;
-        for (size_t i = 0; i < places.size(); ++i) {
-            const vec3 after = picture.radiance[places[i]] / static_cast<float>(samples + more);
-            errors.learn(places[i], before[i], samples, after, samples + more);
-            picture.samples[places[i]] = samples + more;
-        }
-        samples += more;
-        if (samples >= firstSamples) places = errors.above(options.tolerance, places);
-    }
+namespace {
+
+/// Means of the sums, of the part that is wanted. `places`: the pixels that would have got more.
+void finish(FramePasses& passes, const FrameOptions& options, std::span<const uint32_t> places, uint32_t samples,
+            Picture& picture) {
     Crop part = options.part();
     part.x -= passes.params().left;
     part.y -= passes.params().top;
-    picture.statistics.unsettled = uint64_t(std::ranges::count_if(places, [&](uint32_t place) {
-        const uint32_t x = place % picture.width, y = place / picture.width;
-        return x - part.x < part.width && y - part.y < part.height;
-    }));
-    for (size_t i = 0; i < picture.samples.size(); ++i) {
-        picture.radiance[i] = picture.radiance[i] / static_cast<float>(picture.samples[i]);
-        picture.discarded[i] = picture.discarded[i] / static_cast<float>(picture.samples[i]);
+    picture.statistics.samples = samples;
+    if (options.tolerance > 0.0)
+        picture.statistics.unsettled = uint64_t(std::ranges::count_if(places, [&](uint32_t place) {
+            const uint32_t x = place % picture.width, y = place / picture.width;
+            return x - part.x < part.width && y - part.y < part.height;
+        }));
+    for (size_t i = 0; i < picture.radiance.size(); ++i) {
+        const auto count = static_cast<float>(picture.samples.empty() ? samples : picture.samples[i]);
+        picture.radiance[i] = picture.radiance[i] / count;
+        picture.discarded[i] = picture.discarded[i] / count;
     }
     cut(picture, part);
     passes.finish();
+}
+
+}  // namespace
+
+void renderInPasses(FramePasses& passes, const FrameOptions& options, Picture& picture) {
+    const bool isAdaptive = options.tolerance > 0.0;
+    PixelErrors errors(isAdaptive ? picture.width : 0, isAdaptive ? picture.height : 0);
+    std::vector<uint32_t> places = allPlaces(passes.params());
+    Pace pace(options);
+    std::vector<vec3> before;
+    uint32_t samples = 0;
+    double work = 0.0;
+    const auto begin = [&](uint32_t count) {
+        samples = count;
+        work = double(places.size()) * samples;
+        pace.passBegins();
+        passes.begin(samples, std::max(passes.shareDone(), 0.25));
+        pace.passEnds(places.size(), samples);
+    };
+    const auto resume = [&](uint32_t more) {
+        before.clear();
+        if (isAdaptive)
+            for (const uint32_t place : places) before.push_back(picture.radiance[place] / static_cast<float>(samples));
+        // Of what is to come only so much is known that each pass goes on with no more pixels.
+        const double added = double(places.size()) * more;
+        const double share = std::max(passes.shareDone(), (work + added) / (work + 2.0 * added));
+        pace.passBegins();
+        passes.resume(places, samples, samples + more, share);
+        pace.passEnds(places.size(), more);
+        work += added;
+        samples += more;
+    };
+    const auto learn = [&](uint32_t more) {
+        for (size_t i = 0; i < places.size(); ++i) {
+            const vec3 after = picture.radiance[places[i]] / static_cast<float>(samples);
+            errors.learn(places[i], before[i], samples - more, after, samples);
+            picture.samples[places[i]] = samples;
+        }
+        if (samples >= firstSamples) places = errors.above(options.tolerance, places);
+    };
+    begin(options.deadline ? 1 : firstSamples / 2);
+    if (samples == 1 && options.samples > 1 && pace.affordable(places.size(), 2) == 2) begin(2);
+    if (isAdaptive) picture.samples.assign(places.size(), samples);
+    while (samples > 1 && samples < options.samples && !places.empty()) {
+        const uint32_t wanted = std::min(samples, options.samples - samples);
+        const uint32_t more = pace.affordable(places.size(), wanted);
+        if (more == 0) break;
+        resume(more);
+        if (isAdaptive) learn(more);
+        // Cut to the time that is left, it is the last: pixels are not judged after that many samples without a deadline.
+        if (isAdaptive && more < wanted) break;
+    }
+    finish(passes, options, places, samples, picture);
 }
 
 }  // namespace raig

@@ -170,6 +170,10 @@ FramePasses::FramePasses(FrameTiles& tiles, const FrameData& data, const FrameOp
 }
 
 void FramePasses::begin(uint32_t samples, double share) {
+    std::ranges::fill(picture_.levels, 0u);
+    std::ranges::fill(picture_.costs, 0u);
+    picture_.statistics.forgottenMedia = 0;
+    picture_.statistics.deepest = 0;
     run(FrameKernel::begin, static_cast<uint32_t>(picture_.radiance.size()), samples, share, [](uint32_t, uint32_t) {});
 }
 
@@ -231,8 +235,9 @@ void FramePasses::take(const PixelResult& result, uint32_t cost) {
 void renderTiles(FrameTiles& tiles, const FrameData& data, const FrameOptions& options, const FrameProgress& progress,
                  Picture& picture) {
     FramePasses passes(tiles, data, options, progress, picture);
-    if (options.tolerance > 0.0) return renderAdaptively(passes, options, picture);
+    if (options.tolerance > 0.0 || options.deadline) return renderInPasses(passes, options, picture);
     passes.begin(options.samples, 1.0);
+    picture.statistics.samples = options.samples;
     const auto samples = static_cast<float>(options.samples);
     for (vec3& radiance : picture.radiance) radiance = radiance / samples;
     for (float& discarded : picture.discarded) discarded = discarded / samples;

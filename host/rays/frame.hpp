@@ -21,6 +21,7 @@
 #include "scene/geometry.hpp"
 #include "scene/view.hpp"
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -32,6 +33,9 @@ struct FrameOptions {
     uint32_t width = 512;
     uint32_t height = 512;
     uint32_t samples = 4;                     ///< a pixel, or with a tolerance at most; 1 goes through its centre
+    /// By when the picture is to be there: it gets as many samples as go into that time, up to `samples`, but at least one.
+    /// What that gives is the picture of FrameStatistics::samples without a deadline, to the last bit.
+    std::optional<std::chrono::steady_clock::time_point> deadline{};
     double tolerance = 0.0;                   ///< > 0: pixels get samples until their error is less (rays/adaptive.hpp)
     uint32_t maxDepth = 8;                    ///< NIVELL_MAX: reflections and refractions below the camera ray
     float minContribution = 1.0f / 512.0f;    ///< MIN_CONTRIB
@@ -55,6 +59,7 @@ struct FrameStatistics {
     uint32_t deepest = 0;       ///< reflections and refractions of the deepest ray
     uint64_t forgottenMedia = 0;  ///< how often rays entered more things within each other than they remember
     uint32_t openMaterials = 0;   ///< of glass that may hold or lie in other things, but is not closed: Media
+    uint32_t samples = 0;       ///< a pixel, or with a tolerance at most
     uint64_t unsettled = 0;     ///< pixels whose error is above the tolerance, where there is one
     uint32_t tiles = 0;
     double seconds = 0.0;       ///< wall time, from the scene in memory to the picture in memory

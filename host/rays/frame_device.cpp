@@ -155,7 +155,7 @@ Picture DeviceFrame::render(const FrameOptions& options, const FrameProgress& pr
     State& state = *state_;
     checkOptions(state.scene, options);
     setView(state.scene, state.geometry, withMargin(options), state.data);
-    state.specialize(withOptions(state.data.features, options), options.tolerance > 0.0);
+    state.specialize(withOptions(state.data.features, options), options.tolerance > 0.0 || options.deadline);
     state.data.params.slots = chooseSlots(options.tilePixels, mostSlots(state.device, state.data), state.data);
     DeviceTiles tiles(state.device, state.data, state.elements, state.kernels, state.commands, state.tracer);
     Picture picture;

@@ -57,7 +57,7 @@ public:
     FramePasses(FrameTiles& tiles, const FrameData& data, const FrameOptions& options, const FrameProgress& progress,
                 Picture& picture);
 
-    /// The first `samples` of every pixel. `share`: of the picture's work, what will then be done.
+    /// The first `samples` of every pixel, whatever it had before. `share`: of the picture's work, what will then be done.
     void begin(uint32_t samples, double share);
     /// Samples `from` <= index < `to` of some pixels, which are named by their places in `picture` and have `from` of them.
     /// The sums have the same bits as if all were made at once.
