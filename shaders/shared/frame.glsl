@@ -127,6 +127,8 @@ CONSTANT uint FEATURE_SPHERES = 256u;
 CONSTANT uint FEATURE_INSTANCES = 512u;    // meshes are stored once, in their own space
 CONSTANT uint FEATURE_LENS = 1024u;        // the camera is no pinhole
 CONSTANT uint FEATURE_NESTED = 2048u;      // media may lie within each other, or hold other things
+CONSTANT uint FEATURE_TENT = 16384u;       // pixels are filtered by a tent ...
+CONSTANT uint FEATURE_GAUSS = 32768u;      // ... or by Gauss's curve
 
 // The scene's data is an array of uvec4. A triangle is one element: its vertices and its material; and so is a sphere in its
 // place: where it is among the spheres, NO_VERTEX, NO_VERTEX, material. A sphere is one element: centre, radius. A vertex is
