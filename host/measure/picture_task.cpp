@@ -2,6 +2,7 @@
 #include "measure/compare.hpp"
 #include "measure/tasks.hpp"
 #include "measure/timing.hpp"
+#include "rays/adaptive.hpp"
 #include "rays/frame.hpp"
 #include "rays/lights.hpp"
 
@@ -82,7 +83,7 @@ public:
 
     void check(const Json& settings) const override {
         checkSettings(settings, "picture",
-                      {"max-depth", "min-contribution", "spp", "pictures", "side", "reference-spp", "repeat"}, {});
+                      {"max-depth", "min-contribution", "spp", "adaptive", "pictures", "side", "reference-spp", "repeat"}, {});
         const auto whole = [&](const char* name, double low, double high) {
             const double value = numberOf(settings, name, low);
             if (!(value >= low && value <= high && value == std::floor(value)))
@@ -94,6 +95,11 @@ public:
         whole("side", 1, 4096);
         whole("reference-spp", 1, 65536);
         whole("repeat", 1, 1000);
+        const double tolerance = numberOf(settings, "adaptive", 1.0);
+        if (!(tolerance > 0.0 && std::isfinite(tolerance)))
+            throw usageError("the setting \"adaptive\" takes an error above 0");
+        if (settings.contains("adaptive") && numberOf(settings, "spp", 1) < firstSamples)
+            throw usageError("the setting \"adaptive\" wants an \"spp\" of {} or more", firstSamples);
         const double contribution = numberOf(settings, "min-contribution", 0.0);
         if (!(contribution >= 0.0 && contribution <= 1.0))
             throw usageError("the setting \"min-contribution\" takes a number from 0 to 1");
@@ -106,6 +112,7 @@ public:
         FrameOptions frame;
         frame.width = frame.height = side;
         frame.samples = static_cast<uint32_t>(numberOf(settings, "spp", 1));
+        frame.tolerance = numberOf(settings, "adaptive", 0.0);
         frame.maxDepth = static_cast<uint32_t>(numberOf(settings, "max-depth", 8));
         frame.minContribution = static_cast<float>(numberOf(settings, "min-contribution", 1.0 / 512.0));
         frame.seed = settings_.seed;
@@ -115,10 +122,14 @@ public:
         Picture picture;
         const double seconds = render(frame, static_cast<uint32_t>(numberOf(settings, "pictures", 1)),
                                       static_cast<uint32_t>(numberOf(settings, "repeat", 3)), picture);
-        Json measures = {{"samples", frame.samples * numberOf(settings, "pictures", 1)},
+        const double samples = samplesOf(picture, frame.samples), pixels = double(side) * side;
+        const auto closest = double(picture.statistics.closestRays), shadow = double(picture.statistics.shadowRays);
+        Json measures = {{"samples", samples * numberOf(settings, "pictures", 1)},
                          {"seconds", seconds},
-                         {"rays_per_sample", double(picture.statistics.closestRays) / frame.samples / side / side},
-                         {"shadow_rays_per_sample", double(picture.statistics.shadowRays) / frame.samples / side / side}};
+                         {"rays_per_sample", closest / samples / pixels},
+                         {"shadow_rays_per_sample", shadow / samples / pixels},
+                         {"rays_per_pixel", (closest + shadow) / pixels},
+                         {"unsettled", picture.statistics.unsettled}};
         compare(picture, expected, referenceSamples == 1 && frame.samples == 1, measures);
         measures["mean_depth"] =
             meanOf(stage_->renderReference(depthSide, 1, seed, frame.maxDepth, double{frame.minContribution}, 0).depth);
@@ -133,6 +144,8 @@ public:
                                  {"seconds", "s a picture"},
                                  {"rays_per_sample", "camera, mirrored and transmitted rays a sample"},
                                  {"shadow_rays_per_sample", "shadow rays a sample"},
+                                 {"rays_per_pixel", "rays a pixel"},
+                                 {"unsettled", "pixels whose error is above the tolerance"},
                                  {"rmse", "RMSE, linear light"},
                                  {"relmse", "relMSE"},
                                  {"flip_mean", "FLIP, mean"},
@@ -154,6 +167,13 @@ public:
     }
 
 private:
+    /// Of a pixel, on average.
+    static double samplesOf(const Picture& picture, uint32_t ofEach) {
+        double sum = 0.0;
+        for (const uint32_t samples : picture.samples) sum += samples;
+        return picture.samples.empty() ? ofEach : sum / double(picture.samples.size());
+    }
+
     /// The mean of `pictures` pictures, of seeds one after the other. Returns the time it took: of one picture the median of
     /// `repeat` times.
     double render(FrameOptions frame, uint32_t pictures, uint32_t repeat, Picture& mean) {
