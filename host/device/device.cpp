@@ -112,10 +112,13 @@ Device::Device(const DeviceInfo& info, const DeviceOptions& options) : state_(st
     RAIG_CHECK_OP(info.index, <, devices.size());
     const vk::Physical& physical = devices[info.index];
     RAIG_CHECK(!options.rayQuery || physical.info.features.rayQuery);
+    RAIG_CHECK(!options.graphics || physical.graphicsFamily.has_value());
     State& state = *state_;
+    state.physical = physical.handle;
     state.info = physical.info;
     state.options = options;
-    state.queueFamily = physical.queueFamily;
+    state.queueFamily = options.graphics ? *physical.graphicsFamily : physical.queueFamily;
+    if (state.queueFamily != physical.queueFamily) state.info.limits.timestampNanoseconds = 0.0;  // it was the other's clock
     state.storageDescriptors = physical.storageDescriptors;
     state.texelDescriptors = physical.texelDescriptors;
     state.loadsTexel = options.loadsTexel.value_or(physical.info.prefersTexel);
@@ -151,6 +154,10 @@ const DeviceInfo& Device::info() const {
 
 bool Device::loadsTexel() const {
     return state_->loadsTexel;
+}
+
+bool Device::draws() const {
+    return state_->options.graphics;
 }
 
 uint64_t Device::largestBindingElements() const {

@@ -29,6 +29,7 @@ struct DeviceLimits {
     std::array<uint32_t, 3> workgroupCount{};
     uint32_t sharedMemoryBytes = 0;
     uint32_t pushConstantBytes = 0;
+    uint32_t framebufferSide = 0;      ///< of what can be drawn into, each way
     uint32_t subgroupSize = 0;
     double timestampNanoseconds = 0.0;  ///< of one tick of the device's clock; 0: it has none
 };
@@ -42,7 +43,7 @@ struct DeviceFeatures {
     bool scalarBlockLayout = false;
     bool timestamps = false;
     bool rayQuery = false;                        ///< VK_KHR_ray_query, and what it needs
-    bool graphics = false;                        ///< a queue that draws
+    bool graphics = false;                        ///< a queue that draws and computes
     bool keepsDenormals = false;                  ///< float controls: can be told to keep them (32 bit)
     bool flushesDenormals = false;                ///< float controls: can be told to flush them (32 bit)
     bool keepsNan = false;                        ///< float controls: signed zero, infinity and NaN preserved (32 bit)
@@ -78,10 +79,11 @@ struct DeviceOptions {
         0;                         ///< pretends one binding of a BigArray holds no more than these (tests); 0: as it is
     bool stagesTransfers = false;  ///< copies through a staging buffer even where memory could be mapped (tests)
     bool rayQuery = false;         ///< open it with DeviceFeatures::rayQuery, which must be there; buffers are made for it
+    bool graphics = false;         ///< its queue draws, too (device/raster.hpp): with DeviceFeatures::graphics, which must be there
     bool diskCache = true;         ///< keep compiled pipelines in the user's cache folder
 };
 
-/// An open device with one compute queue. It must outlive what was made on it. Not for use by two threads at once.
+/// An open device with one queue, which computes. It must outlive what was made on it. Not for use by two threads at once.
 class Device {
 public:
     /// Throws deviceError if the device cannot be opened.
@@ -93,6 +95,8 @@ public:
     const DeviceInfo& info() const;
     /// The form of kernel to use: "NAME_texel" if true, "NAME_storage" if not. BigArrays are made to suit.
     bool loadsTexel() const;
+    /// True if it was opened with DeviceOptions::graphics.
+    bool draws() const;
     /// The elements of 16 bytes that one binding of a BigArray holds at most, in the form that loadsTexel() says.
     uint64_t largestBindingElements() const;
 

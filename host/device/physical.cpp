@@ -53,10 +53,10 @@ std::vector<VkQueueFamilyProperties> queueFamilies(VkPhysicalDevice device) {
     return families;
 }
 
-/// The first family that computes: drivers put the one that can do everything there.
-std::optional<uint32_t> findComputeFamily(const std::vector<VkQueueFamilyProperties>& families) {
+/// The first family that can do all of that: drivers put the one that can do everything first.
+std::optional<uint32_t> findFamily(const std::vector<VkQueueFamilyProperties>& families, VkQueueFlags wanted) {
     for (uint32_t i = 0; i < families.size(); ++i)
-        if (families[i].queueCount > 0 && (families[i].queueFlags & VK_QUEUE_COMPUTE_BIT)) return i;
+        if (families[i].queueCount > 0 && (families[i].queueFlags & wanted) == wanted) return i;
     return std::nullopt;
 }
 
@@ -107,6 +107,8 @@ DeviceLimits limitsOf(const Query& query, const VkQueueFamilyProperties& family)
     std::copy_n(found.maxComputeWorkGroupCount, 3, limits.workgroupCount.begin());
     limits.sharedMemoryBytes = found.maxComputeSharedMemorySize;
     limits.pushConstantBytes = found.maxPushConstantsSize;
+    limits.framebufferSide = std::min({found.maxFramebufferWidth, found.maxFramebufferHeight, found.maxImageDimension2D,
+                                       found.maxViewportDimensions[0], found.maxViewportDimensions[1]});
     limits.subgroupSize = query.subgroup.subgroupSize;
     // Queues whose clock has fewer than 64 bits wrap around; one that wraps within a dispatch is no clock.
     if (family.timestampValidBits >= 36) limits.timestampNanoseconds = found.timestampPeriod;
@@ -121,8 +123,6 @@ DeviceFeatures featuresOf(const Query& query, const std::vector<VkQueueFamilyPro
     features.bufferDeviceAddress = query.address.bufferDeviceAddress;
     features.scalarBlockLayout = query.scalar.scalarBlockLayout;
     features.timestamps = families[family].timestampValidBits >= 36;
-    features.graphics = std::any_of(families.begin(), families.end(),
-                                    [](const auto& f) { return (f.queueFlags & VK_QUEUE_GRAPHICS_BIT) != 0; });
     features.keepsDenormals = query.floats.shaderDenormPreserveFloat32;
     features.flushesDenormals = query.floats.shaderDenormFlushToZeroFloat32;
     features.keepsNan = query.floats.shaderSignedZeroInfNanPreserveFloat32;
@@ -152,13 +152,14 @@ std::optional<Physical> examine(VkPhysicalDevice device) {
     VkPhysicalDeviceProperties properties{};
     vkGetPhysicalDeviceProperties(device, &properties);
     const std::vector<VkQueueFamilyProperties> families = queueFamilies(device);
-    const std::optional<uint32_t> family = findComputeFamily(families);
+    const std::optional<uint32_t> family = findFamily(families, VK_QUEUE_COMPUTE_BIT);
     if (properties.apiVersion < VK_API_VERSION_1_1 || !family) return std::nullopt;
 
     const Query query(device, properties.apiVersion);
     Physical found;
     found.handle = device;
     found.queueFamily = *family;
+    found.graphicsFamily = findFamily(families, VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT);
     // A binding's descriptors also count towards the limit on all resources of a stage; every device here allows more.
     found.storageDescriptors = properties.limits.maxPerStageDescriptorStorageBuffers;
     found.texelDescriptors = properties.limits.maxPerStageDescriptorSampledImages;
@@ -168,6 +169,7 @@ std::optional<Physical> examine(VkPhysicalDevice device) {
     found.info.apiVersion = describeVersion(properties.apiVersion);
     found.info.limits = limitsOf(query, families[*family]);
     found.info.features = featuresOf(query, families, *family);
+    found.info.features.graphics = found.graphicsFamily.has_value();
     found.info.features.rayQuery = hasExtension(device, VK_KHR_RAY_QUERY_EXTENSION_NAME) &&
                                    hasExtension(device, VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME) &&
                                    hasExtension(device, VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME) &&

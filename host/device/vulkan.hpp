@@ -27,6 +27,7 @@ T init(VkStructureType type) {
 struct Physical {
     VkPhysicalDevice handle = VK_NULL_HANDLE;
     uint32_t queueFamily = 0;
+    std::optional<uint32_t> graphicsFamily;  ///< draws and computes; where there is one
     std::string cacheKey;             ///< changes whenever compiled pipelines would
     uint32_t storageDescriptors = 0;  ///< that one kernel may have
     uint32_t texelDescriptors = 0;
@@ -112,6 +113,7 @@ struct Device::State {
     uint32_t storageDescriptors = 0;
     uint32_t texelDescriptors = 0;
 
+    VkPhysicalDevice physical = VK_NULL_HANDLE;
     VkDevice handle = VK_NULL_HANDLE;
     VolkDeviceTable call{};
     VkQueue queue = VK_NULL_HANDLE;
