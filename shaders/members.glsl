@@ -1,7 +1,7 @@
 // Names every member of every struct that crosses the border, in order, so that a test can see whether the device finds in
 // each what the host has put there.
 //
-// Whoever includes this declares put() for float, uint, vec3 before it.
+// Whoever includes this declares put() for float, uint, vec3, vec4 before it.
 
 void putAll(Ray s) { put(s.origin); put(s.tMin); put(s.direction); put(s.tMax); }
 
@@ -22,6 +22,12 @@ void putAll(FrameParams s) {
     put(s.left); put(s.top); put(s.partWidth); put(s.partHeight);
     put(s.lensRadius); put(s.lensSlope); put(s.mediaAt); put(s.eyeMedia);
 }
+
+void putAll(ItemView s) { put(s.x); put(s.y); put(s.z); put(s.w); put(s.eye); put(s.instancesAt); }
+
+void putAll(ItemCall s) { put(s.first); put(s.referencesAt); put(s.listAt); put(s.unused); }
+
+void putAll(ItemWindow s) { put(s.firstRow); put(s.rows); put(s.scale); put(s.unused); }
 
 void putAll(TileStep s) { put(s.count); put(s.listAt); put(s.nextAt); put(s.compacts); put(s.firstPixel); }
 

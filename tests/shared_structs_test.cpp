@@ -1,6 +1,7 @@
 // The structs that are written once and compiled twice lie in memory alike on both sides, member by member.
 #include "device/commands.hpp"
 #include "rays/frame_types.hpp"
+#include "rays/item_view.hpp"
 #include "rays/kernels.hpp"
 #include "structures/structure.hpp"
 #include "support/devices.hpp"
@@ -17,6 +18,7 @@ struct Members {
     void put(uint x) { words.push_back(x); }
     void put(float x) { words.push_back(std::bit_cast<uint32_t>(x)); }
     void put(const vec3& v) { put(v.x), put(v.y), put(v.z); }
+    void put(const vec4& v) { put(v.x), put(v.y), put(v.z), put(v.w); }
 
 #include "members.glsl"
 };
@@ -54,6 +56,9 @@ TEST(SharedStructsInMemory, HaveNoPaddingAndNoUnnamedMembers) {
     expectEveryWordNamed<PendingRay>();
     expectEveryWordNamed<PixelResult>();
     expectEveryWordNamed<PrimaryHit>();
+    expectEveryWordNamed<ItemView>();
+    expectEveryWordNamed<ItemCall>();
+    expectEveryWordNamed<ItemWindow>();
 }
 
 /// One struct on its way to the device: a buffer of two, the first filled.
@@ -88,6 +93,9 @@ TEST_P(SharedStructs, GoToTheDeviceAndBackMemberByMember) {
     const Sent<PendingRay> pending(device, 700, expected);
     const Sent<PixelResult> result(device, 800, expected);
     const Sent<PrimaryHit> primary(device, 900, expected);
+    const Sent<ItemView> view(device, 1100, expected);
+    const Sent<ItemCall> call(device, 1200, expected);
+    const Sent<ItemWindow> window(device, 1300, expected);
     const TileStep pushed = numbered<TileStep>(1000);
     expected.putAll(pushed);
 
@@ -97,7 +105,7 @@ TEST_P(SharedStructs, GoToTheDeviceAndBackMemberByMember) {
     kernel.bind(0, words);
     const Buffer* buffers[] = {&ray.buffer,  &hit.buffer,   &header.buffer,  &params.buffer,
                                &step.buffer, &state.buffer, &pending.buffer, &result.buffer,
-                               &primary.buffer};
+                               &primary.buffer, &view.buffer, &call.buffer, &window.buffer};
     for (uint32_t i = 0; i < std::size(buffers); ++i) kernel.bind(i + 1, *buffers[i]);
     Commands commands(device);
     commands.dispatch(kernel, {}, pushed);
@@ -113,6 +121,9 @@ TEST_P(SharedStructs, GoToTheDeviceAndBackMemberByMember) {
     pending.expectTheSecondEqual();
     result.expectTheSecondEqual();
     primary.expectTheSecondEqual();
+    view.expectTheSecondEqual();
+    call.expectTheSecondEqual();
+    window.expectTheSecondEqual();
 }
 
 }  // namespace

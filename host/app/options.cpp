@@ -4,6 +4,7 @@
 #include "app/aov_options.hpp"
 #include "app/chart_options.hpp"
 #include "app/compare_options.hpp"
+#include "app/primary_options.hpp"
 #include "app/sampling_options.hpp"
 #include "app/tone_options.hpp"
 #include "app/view_options.hpp"
@@ -201,6 +202,7 @@ void addRender(CLI::App& app, Options& options) {
     addMomentOptions(command, options);
     addFrameOptions(command, options);
     addSamplingOptions(command, options);
+    addPrimaryOptions(command, options);
     addAovOptions(command, options);
     addToneOptions(command, options);
     addStructure(command, options);
@@ -215,6 +217,7 @@ void addRender(CLI::App& app, Options& options) {
                    "  raig render room.glb -o part.png --size 4096x4096 --crop 1024,2048,256,256\n"
                    "  raig render room.glb -o sharp.png --aperture 0.05 --focus 2.5 --spp 64\n"
                    "  raig render room.glb -o out.png --exposure auto --tonemap aces\n"
+                   "  raig render room.glb -o out.png --primary raster\n"
                    "  raig render walk.glb -o walk.png --frames 0:47 --fps 24\n" +
                    aovExamples() + viewHelp + samplingHelp + animationHelp + toneHelp + aovHelp());
 }

@@ -17,6 +17,9 @@
 
 namespace raig {
 
+/// How camera rays find what they meet.
+enum class Primary { ray, raster };
+
 enum class Command { render, trace, compare, bench, chart, stress, info, devices };
 
 enum class Exposure {
@@ -75,6 +78,7 @@ struct Options {
     double framesPerSecond = 24.0;
     std::optional<double> seconds;         ///< that the picture may take
     double tolerance = 0.0;                ///< of pixels' errors, in linear light; 0: all get as many samples
+    Primary primary = Primary::ray;
     Exposure exposure = Exposure::legible;
     double stops = 0.0;                    ///< Exposure::stops
     Tone tone = Tone::none;                ///< none unless `output` is a png

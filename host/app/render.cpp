@@ -62,7 +62,8 @@ bool needsPicture(const Options& options) {
     });
 }
 
-Picture makePicture(const Setup& setup, const FrameOptions& frame) {
+Picture makePicture(const Setup& setup, FrameOptions frame, Primary primary) {
+    if (primary == Primary::raster) frame.itemsOf = &setup.structure;
     Progress progress("render");
     return setup.device ? renderPicture(*setup.device, setup.scene, setup.geometry, *setup.deviceTracer, frame,
                                         progress.callback())
@@ -138,6 +139,9 @@ void describe(const Picture& picture, const FrameOptions& frame, const Discarded
         log::note("samples: {} a pixel went into the time; --spp {} gives the same picture", frame.samples, frame.samples);
     if (frame.tolerance > 0.0)
         log::note("samples: {}; {} pixels may be farther off", samplingText(frame, picture), s.unsettled);
+    if (s.hintedRays > 0)
+        log::note("item buffer: {} triangles drawn in {:.3f} s; {} of {} camera rays met something else ({:.2f} %)",
+                  s.drawnTriangles, s.drawSeconds, s.fallbacks, s.hintedRays, 100.0 * double(s.fallbacks) / double(s.hintedRays));
     log::note("discarded weight: {:.2e} on average, {:.2e} at worst, in pixel ({}, {})", discarded.mean, discarded.worst,
               part.x + discarded.worstPixel % part.width, part.y + discarded.worstPixel / part.width);
     if (s.openMaterials > 0)
@@ -195,6 +199,12 @@ nlohmann::ordered_json toJson(const Setup& setup, const FrameOptions& frame, con
             {"remarks", setup.scene.remarks}};
 }
 
+nlohmann::ordered_json primaryOf(const Options& options, const FrameStatistics& s) {
+    if (options.primary == Primary::ray) return {{"by", "ray"}};
+    return {{"by", "raster"},       {"rays", s.hintedRays},          {"fallbacks", s.fallbacks},
+            {"draw_s", s.drawSeconds}, {"triangles", s.drawnTriangles}};
+}
+
 void addAovs(const Options& options, const AovView& view, nlohmann::ordered_json& document) {
     document["aovs"] = nlohmann::json::array();
     for (const Aov aov : options.aovs) document["aovs"].push_back(typeOf(aov).name);
@@ -210,7 +220,7 @@ nlohmann::ordered_json renderOne(Options& options, Clock::time_point start, Setu
     FrameOptions frame = frameOptionsOf(options, start, setup.scene);
     Picture picture;
     PrimaryHits hits;
-    if (needsPicture(options)) picture = makePicture(setup, frame);
+    if (needsPicture(options)) picture = makePicture(setup, frame, options.primary);
     if (needsPicture(options)) frame.samples = picture.statistics.samples;  // fewer where time was short
     if (needsHits(options)) hits = makeHits(setup, frame);
     const Crop part = frame.part();
@@ -239,6 +249,7 @@ nlohmann::ordered_json renderOne(Options& options, Clock::time_point start, Setu
     document["time"] = options.moment.seconds ? nlohmann::json(*options.moment.seconds) : nlohmann::json(nullptr);
     document["exposure"] = shown.stops;
     document["tonemap"] = nameOf(shown.tone);
+    document["primary"] = primaryOf(options, picture.statistics);
     addAovs(options, view, document);
     document["non_finite_pixels"] = nonFinite;
     return document;

@@ -1,6 +1,7 @@
 #include "app/setup.hpp"
 
 #include "app/animation_options.hpp"
+#include "app/primary_options.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 
@@ -33,10 +34,11 @@ void describeScene(const Scene& scene, const Geometry& geometry) {
 
 /// The fastest walk where the scene is to be traced; not measured where that takes longer than it saves.
 /// How large a scene is goes by the primitives in memory: of kept instances, those of their meshes, each once.
-void setFastestWalk(const std::optional<DeviceInfo>& info, Setup& setup, StructureSource& source) {
+void setFastestWalk(const std::optional<DeviceInfo>& info, const DeviceOptions& open, Setup& setup,
+                    StructureSource& source) {
     if (!info) return source.setWalk(walkOnCpu());
     if (setup.geometry.triangles.size() < leastForChoice) return;
-    setup.device = std::make_unique<Device>(*info);
+    setup.device = std::make_unique<Device>(*info, open);
     const WalkChoice choice = chooseWalk(*setup.device, RAIG_VERSION);
     log::note("walk: {}", choice.why);
     source.setWalk(choice);
@@ -85,6 +87,8 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
     const std::optional<DeviceInfo> info = chooseDevice(options.device);
     setup->source = std::make_unique<StructureSource>(options);
     StructureSource& source = *setup->source;
+    checkPrimary(options, info);
+    const DeviceOptions open{.graphics = options.primary == Primary::raster};
 
     Clock::time_point start = Clock::now();
     if (options.frames) {
@@ -97,7 +101,7 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
     setup->importSeconds = secondsSince(start);
     describeScene(setup->scene, setup->geometry);
 
-    if (source.leavesWalkOpen()) setFastestWalk(info, *setup, source);
+    if (source.leavesWalkOpen()) setFastestWalk(info, open, *setup, source);
     setup->structure = source.make(setup->scene, setup->geometry);
     setup->buildSeconds = source.buildSeconds();
     setup->loadSeconds = source.loadSeconds();
@@ -111,7 +115,7 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
                   setup->structure.instances, double(built.bytes) / (1 << 20));
 
     start = Clock::now();
-    if (info && !setup->device) setup->device = std::make_unique<Device>(*info);
+    if (info && !setup->device) setup->device = std::make_unique<Device>(*info, open);
     makeTracer(*setup, options);
     log::note("device: {}", info ? fmt::format("{} ({})", info->name, info->driver) : "the CPU");
     setup->uploadSeconds = secondsSince(start);

@@ -48,7 +48,8 @@ struct Counts {
     std::array<uint32_t, 2> triangleTests;
     std::array<uint32_t, 2> boxTests;
     std::array<uint32_t, 2> linkReads;
-    std::array<uint32_t, 3> padding;
+    uint32_t failedHints;
+    std::array<uint32_t, 2> padding;
 };
 
 uint64_t joined(const std::array<uint32_t, 2>& halves) {
@@ -60,6 +61,7 @@ struct Ask {
     Query query = Query::closest;
     bool shadows = false;
     std::span<uint32_t> costs = {};  ///< of each ray; empty: they are not wanted
+    const Buffer* hints = nullptr;   ///< of each ray; none: there are none
 };
 
 /// How much one kernel should do in a dispatch, so that it takes about as long as it should; in loop iterations, if all rays
@@ -143,18 +145,21 @@ public:
         return traceAll(rays, hits, {shadows ? Query::any : Query::closest, shadows, costs});
     }
 
-    TraceReport traceBuffers(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows) override {
+    TraceReport traceBuffers(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows,
+                             const Buffer* hints) override {
         TraceReport report;
-        run(rays, hits, count, {.query = query, .shadows = shadows}, report);
+        run(rays, hits, count, {.query = query, .shadows = shadows, .hints = hints}, report);
         return report;
     }
-    TraceReport traceBuffersCosts(Buffer& rays, Buffer& hits, uint32_t count, bool shadows,
-                                  std::span<uint32_t> costs) override {
+    TraceReport traceBuffersCosts(Buffer& rays, Buffer& hits, uint32_t count, bool shadows, std::span<uint32_t> costs,
+                                  const Buffer* hints) override {
         RAIG_CHECK_OP(costs.size(), ==, count);
         TraceReport report;
-        run(rays, hits, count, {shadows ? Query::any : Query::closest, shadows, costs}, report);
+        run(rays, hits, count, {shadows ? Query::any : Query::closest, shadows, costs, hints}, report);
         return report;
     }
+    const BigArray& nodes() const override { return nodes_; }
+    const BigArray& references() const override { return triangles_; }
 
 private:
     TraceReport traceAll(std::span<const Ray> rays, std::span<Hit> hits, const Ask& ask) {
@@ -179,6 +184,7 @@ private:
     }
 
     void run(Buffer& rays, Buffer& hits, uint32_t count, const Ask& ask, TraceReport& report) {
+        RAIG_CHECK(ask.hints == nullptr || (ask.query == Query::closest && !ask.shadows));
         if (!ask.costs.empty()) makeCosts(count);
         Buffer& counts = ask.costs.empty() ? counts_ : *costs_;
         Stages& stages = stagesOf(ask);
@@ -186,19 +192,22 @@ private:
             if (!stages.pausing) {
                 SizedKernel& whole = kernelFor(ask, Stage::whole);
                 const uint32_t some = std::min(whole.size.rays(wholeSteps_), count - first);
-                bind(whole.kernel, rays, hits, counts);
+                bind(whole.kernel, rays, hits, counts, ask);
                 // Saving state costs every ray; so it is done only once a structure has shown that it needs it.
                 const WalkCounters before = report.counters;
+                const uint64_t failedBefore = report.failedHints;
                 stages.pausing = dispatch(whole, {first, some, wholeSteps_}, counts, report) > 0;
-                if (stages.pausing)
+                if (stages.pausing) {
                     report.counters = before;
-                else
+                    report.failedHints = failedBefore;
+                } else {
                     first += some;
+                }
             } else {
                 SizedKernel& beginning = kernelFor(ask, Stage::beginning);
                 SizedKernel& resuming = kernelFor(ask, Stage::resuming);
                 const uint32_t some = std::min(beginning.size.rays(firstSteps_), count - first);
-                traceInPieces(beginning, resuming, rays, hits, {first, some, firstSteps_}, counts, report);
+                traceInPieces(beginning, resuming, rays, hits, {first, some, firstSteps_}, counts, ask, report);
                 first += some;
             }
         }
@@ -206,21 +215,21 @@ private:
     }
 
     void traceInPieces(SizedKernel& beginning, SizedKernel& resuming, Buffer& rays, Buffer& hits, const Push& push,
-                       Buffer& counts, TraceReport& report) {
+                       Buffer& counts, const Ask& ask, TraceReport& report) {
         makePauses(push.count);
-        bind(beginning.kernel, rays, hits, counts);
+        bind(beginning.kernel, rays, hits, counts, ask);
         uint32_t unfinished = dispatch(beginning, push, counts, report);
         for (uint64_t steps = push.maxSteps; unfinished > 0;) {
             if (steps > mostSteps_) throw corrupt_;
             std::swap(paused_, unfinished_);
-            bind(resuming.kernel, rays, hits, counts);
+            bind(resuming.kernel, rays, hits, counts, ask);
             const uint32_t more = resuming.size.steps(unfinished);
             unfinished = dispatch(resuming, {0, unfinished, more}, counts, report);
             steps += more;
         }
     }
 
-    void bind(Kernel& kernel, Buffer& rays, Buffer& hits, Buffer& counts) {
+    void bind(Kernel& kernel, Buffer& rays, Buffer& hits, Buffer& counts, const Ask& ask) {
         kernel.bind(0, header_);
         kernel.bind(1, rays);
         kernel.bind(2, hits);
@@ -229,6 +238,7 @@ private:
         kernel.bind(5, nodes_);
         kernel.bind(6, triangles_);
         kernel.bind(7, unfinished_);
+        kernel.bind(8, ask.hints ? *ask.hints : paused_);  // where there are none, the kernel has no use for it
     }
 
     /// Returns how many walks are not finished. `counted` begins with a Counts.
@@ -243,6 +253,7 @@ private:
         report.deviceSeconds += ran.deviceSeconds;
         report.counters +=
             {joined(counts.nodeFetches), joined(counts.triangleTests), joined(counts.boxTests), joined(counts.linkReads)};
+        report.failedHints += counts.failedHints;
         return counts.unfinished;
     }
 
@@ -268,6 +279,7 @@ private:
                 {11, /* PAIRED */ paired},
                 {12, /* HAS_SPHERES */ spheres_},
                 {13, costs},
+                {14, /* HINTED */ ask.hints != nullptr},
             };
             sized.emplace(Kernel(device_, name_, *spirv, constants), DispatchSize(device_.info(), paired),
                           paired ? 2 * workgroupSize : workgroupSize);
@@ -276,7 +288,8 @@ private:
     }
 
     Stages& stagesOf(const Ask& ask) {
-        return stages_[(ask.costs.empty() ? 0 : 3) + (ask.shadows ? 2 : ask.query == Query::any ? 1 : 0)];
+        const uint32_t kind = ask.hints ? 3 : ask.shadows ? 2 : ask.query == Query::any ? 1 : 0;
+        return stages_[(ask.costs.empty() ? 0 : 4) + kind];
     }
 
     void makeCosts(uint32_t count) {
@@ -310,7 +323,7 @@ private:
     Buffer paused_;
     Buffer unfinished_;
     Commands commands_;
-    std::array<Stages, 6> stages_;  // closest, any, shadows; the same with costs
+    std::array<Stages, 8> stages_;  // closest, any, shadows, closest with hints; the same with costs
 };
 
 }  // namespace

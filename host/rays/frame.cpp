@@ -38,6 +38,7 @@ private:
 struct TileRun {
     double longestSeconds = 0.0;
     double traceSeconds = 0.0;
+    double firstSeconds = 0.0;
     uint64_t closestRays = 0;
     uint64_t shadowRays = 0;  ///< at most
 };
@@ -88,7 +89,9 @@ TileRun runTile(FrameTiles& tiles, const FrameParams& params, FrameKernel first,
     TileStep step{.count = count, .listAt = 0, .nextAt = params.slots, .compacts = 0, .firstPixel = firstPixel};
     run(first, step);
     for (uint32_t atWork = count; atWork > 0;) {
-        tile.traceSeconds += costs ? costs->trace(tiles, step) : tiles.trace(step.count);
+        const double seconds = costs ? costs->trace(tiles, step) : tiles.trace(step.count);
+        tile.traceSeconds += seconds;
+        if (tile.closestRays == 0) tile.firstSeconds = seconds;
         run(FrameKernel::shade, step);
         const uint32_t shadowRays = step.count * params.shadowRays;
         if (shadowRays > 0)
@@ -215,6 +218,7 @@ void FramePasses::run(FrameKernel firstKernel, uint32_t pixels, uint32_t samples
         for (uint32_t slot = 0; slot < count; ++slot) take(results[slot], costs ? costs->ofSlot[slot] : 0);
         picture_.statistics.closestRays += tile.closestRays;
         picture_.statistics.traceSeconds += tile.traceSeconds;
+        picture_.statistics.firstSeconds += tile.firstSeconds;
         ++picture_.statistics.tiles;
         first += count;
     }

@@ -50,6 +50,10 @@ struct FrameOptions {
     float aperture = 0.0f;                    ///< diameter of the lens, in scene units; 0: a pinhole, all is sharp
     float focus = INFINITY;                   ///< distance along the camera's axis at which the picture is sharp; > 0
 
+    /// Devices with DeviceOptions::graphics: an item buffer is drawn of this structure, which is the tracer's, and camera rays
+    /// are told what it shows (rays/item_buffer.hpp). None: they are not. The picture has the same bits.
+    const Structure* itemsOf = nullptr;
+
     /// What is rendered.
     Crop part() const { return crop.value_or(Crop{0, 0, width, height}); }
 };
@@ -65,7 +69,13 @@ struct FrameStatistics {
     uint32_t tiles = 0;
     double seconds = 0.0;       ///< wall time, from the scene in memory to the picture in memory
     double traceSeconds = 0.0;  ///< of which in finding hits
+    double firstSeconds = 0.0;  ///< of which those of each pixel's first ray; with hints, looking them up, too
     double setupSeconds = 0.0;  ///< of which in data and kernels
+
+    uint64_t hintedRays = 0;    ///< camera rays that an item buffer gave a hint to: that nothing is there is one, too
+    uint64_t fallbacks = 0;     ///< of which met something else
+    uint64_t drawnTriangles = 0;
+    double drawSeconds = 0.0;   ///< wall time of drawing item buffers
 };
 
 /// What was rendered: of a part of a picture, that part.

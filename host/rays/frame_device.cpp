@@ -2,10 +2,13 @@
 #include "device/commands.hpp"
 #include "rays/adaptive.hpp"
 #include "rays/frame_tiles.hpp"
+#include "rays/item_buffer.hpp"
 #include "rays/kernels.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <optional>
 
 namespace raig {
 
@@ -18,7 +21,9 @@ using Clock = std::chrono::steady_clock;
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 constexpr uint32_t groupSize = 256;
-constexpr std::array<const char*, 4> kernelNames = {"begin", "shade", "gather", "resume"};  // as FrameKernel has them
+constexpr std::array<const char*, 5> kernelNames = {"begin", "shade", "gather", "resume", "hint"};  // as FrameKernel has them
+constexpr size_t resumeKernel = 3, hintKernel = 4;
+using FrameKernelSet = std::array<std::optional<Kernel>, kernelNames.size()>;
 
 Kernel makeKernel(Device& device, const char* base, uint32_t features, const BigArray& scene) {
     const std::string name = std::string(base) + (device.loadsTexel() ? "_texel" : "_storage");
@@ -31,12 +36,57 @@ Kernel makeKernel(Device& device, const char* base, uint32_t features, const Big
                    {/* SCENE_SHIFT */ 3, scene.chunkShift()}});
 }
 
+/// Looks up in an item buffer what camera rays may meet.
+class Hints {
+public:
+    Hints(Device& device, ItemBuffer& items, Kernel& kernel, Commands& commands, const FrameParams& frame)
+        : items_(items), kernel_(kernel), commands_(commands), frame_(frame),
+          hints_(device, sizeof(uvec2) * uint64_t{frame.slots}) {
+        items_.begin(frame_);
+        kernel_.bind(12, hints_);
+    }
+
+    /// The next tile: its pixels, in the order of pixelOf(), are of so many rows.
+    void beginTile(const TileStep& step) {
+        const uint64_t strip = 8 * uint64_t{frame_.partWidth};
+        const uint64_t end = (uint64_t{step.firstPixel} + step.count + strip - 1) / strip * 8;
+        items_.show(frame_, static_cast<uint32_t>(step.firstPixel / strip * 8),
+                    static_cast<uint32_t>(std::min<uint64_t>(end, frame_.partHeight)));
+        kernel_.bind(13, items_.items());
+    }
+
+    /// For the rays of `count` entries of the list that begins at `listAt`.
+    const Buffer& lookUp(uint32_t count, uint32_t listAt, double& seconds) {
+        const TileStep step{.count = count, .listAt = listAt, .nextAt = 0, .compacts = 0, .firstPixel = 0};
+        commands_.dispatch(kernel_, {.x = (count + groupSize - 1) / groupSize}, step);
+        seconds += commands_.run().seconds;
+        return hints_;
+    }
+
+    void count(uint64_t failed) { failed_ += failed; }
+    void tell(FrameStatistics& statistics, uint64_t cameraRays) const {
+        statistics.hintedRays = cameraRays;
+        statistics.fallbacks = failed_;
+        statistics.drawnTriangles = items_.triangles();
+        statistics.drawSeconds = items_.seconds();
+    }
+
+private:
+    ItemBuffer& items_;
+    Kernel& kernel_;
+    Commands& commands_;
+    FrameParams frame_;
+    Buffer hints_;
+    uint64_t failed_ = 0;
+};
+
 /// Slots in a device's memory. Their data never leave it, but for the finished pixels and the number at work.
 class DeviceTiles : public FrameTiles {
 public:
-    DeviceTiles(Device& device, const FrameData& data, const BigArray& scene, std::span<Kernel> kernels, Commands& commands,
-                DeviceTracer& tracer)
-        : tracer_(tracer), kernels_(kernels), commands_(commands), params_(data.params), slots_(data.params.slots),
+    DeviceTiles(Device& device, const FrameData& data, const BigArray& scene, FrameKernelSet& kernels, Commands& commands,
+                DeviceTracer& tracer, Hints* hints)
+        : tracer_(tracer), hints_(hints), kernels_(kernels), commands_(commands), params_(data.params),
+          slots_(data.params.slots),
           software_(device.info().type == DeviceType::software), frame_(device, sizeof(FrameParams)),
           count_(device, sizeof(uint32_t)), list_(device, 2 * sizeof(uint32_t) * uint64_t{slots_}),
           states_(device, sizeof(PathState) * uint64_t{slots_}), rays_(device, sizeof(Ray) * uint64_t{slots_}),
@@ -45,7 +95,8 @@ public:
           shadowRays_(device, sizeof(Ray) * shadowRoom(data)), shadowHits_(device, sizeof(Hit) * shadowRoom(data)),
           contributions_(device, sizeof(vec4) * shadowRoom(data)), results_(device, sizeof(PixelResult) * uint64_t{slots_}) {
         setSamples(params_.samples);
-        for (Kernel& kernel : kernels_) bindAll(kernel, scene);
+        for (std::optional<Kernel>& kernel : kernels_)
+            if (kernel) bindAll(*kernel, scene);
     }
 
     void setSamples(uint32_t samples) override {
@@ -57,18 +108,26 @@ public:
     double longestSeconds() const override { return software_ ? 2.0 : 0.05; }
 
     double run(FrameKernel kernel, const TileStep& step) override {
+        if (kernel == FrameKernel::begin && hints_) hints_->beginTile(step);
+        if (kernel == FrameKernel::begin || kernel == FrameKernel::resume) isHinted_ = hints_ && kernel == FrameKernel::begin;
+        listAt_ = kernel == FrameKernel::gather ? step.nextAt : step.listAt;
         if (kernel == FrameKernel::gather) commands_.fill(count_, 0);
-        commands_.dispatch(kernels_[static_cast<size_t>(kernel)], {.x = (step.count + groupSize - 1) / groupSize}, step);
+        commands_.dispatch(*kernels_[static_cast<size_t>(kernel)], {.x = (step.count + groupSize - 1) / groupSize}, step);
         return commands_.run().seconds;
     }
     double trace(uint32_t count) override {
-        return tracer_.traceBuffers(rays_, hits_, count, Query::closest, false).seconds;
+        return hinted(count, [&](const Buffer* hints) {
+            return tracer_.traceBuffers(rays_, hits_, count, Query::closest, false, hints);
+        });
     }
     double traceShadows(uint32_t count) override {
         return tracer_.traceBuffers(shadowRays_, shadowHits_, count, Query::any, true).seconds;
     }
     double traceCosts(std::span<uint32_t> costs) override {
-        return tracer_.traceBuffersCosts(rays_, hits_, static_cast<uint32_t>(costs.size()), false, costs).seconds;
+        const auto count = static_cast<uint32_t>(costs.size());
+        return hinted(count, [&](const Buffer* hints) {
+            return tracer_.traceBuffersCosts(rays_, hits_, count, false, costs, hints);
+        });
     }
     double traceShadowsCosts(std::span<uint32_t> costs) override {
         return tracer_.traceBuffersCosts(shadowRays_, shadowHits_, static_cast<uint32_t>(costs.size()), true, costs).seconds;
@@ -84,6 +143,16 @@ private:
         return std::max<uint64_t>(1, uint64_t{data.params.slots} * data.params.shadowRays);
     }
 
+    /// Traces the rays of the list at hand, with hints if there are any. Returns seconds.
+    template <class Trace>
+    double hinted(uint32_t count, const Trace& trace) {
+        if (!isHinted_) return trace(nullptr).seconds;
+        double seconds = 0.0;
+        const TraceReport report = trace(&hints_->lookUp(count, listAt_, seconds));
+        hints_->count(report.failedHints);
+        return seconds + report.seconds;
+    }
+
     void bindAll(Kernel& kernel, const BigArray& scene) {
         const std::array<const Buffer*, 11> buffers = {&frame_, &count_,   &list_,       &states_,     &rays_,
                                                        &hits_,  &pending_, &shadowRays_, &shadowHits_, &contributions_,
@@ -95,10 +164,13 @@ private:
     }
 
     DeviceTracer& tracer_;
-    std::span<Kernel> kernels_;
+    Hints* hints_;           ///< of tiles that begin, whose pixels lie together
+    bool isHinted_ = false;  ///< the tile at work
+    FrameKernelSet& kernels_;
     Commands& commands_;
     FrameParams params_;
     uint32_t slots_;
+    uint32_t listAt_ = 0;  ///< of the list that is traced next
     bool software_;
     Buffer frame_, count_, list_, states_, rays_, hits_, pending_, shadowRays_, shadowHits_, contributions_, results_;
 };
@@ -122,12 +194,20 @@ struct DeviceFrame::State {
         data.elements = {};
     }
 
-    /// Makes the kernels for what the scene and a picture have, unless the last picture's are such; `resumes`: all of them.
-    void specialize(uint32_t features, bool resumes) {
-        if (features != data.features) kernels.clear();
+    /// Makes the kernels for what the scene and a picture have, unless there are such.
+    void specialize(uint32_t features, bool resumes, bool hints) {
+        if (features != data.features) kernels = {};
         data.features = features;
-        for (size_t i = kernels.size(); i < kernelNames.size() - (resumes ? 0 : 1); ++i)
-            kernels.push_back(makeKernel(device, kernelNames[i], features, elements));
+        for (size_t i = 0; i < kernels.size(); ++i) {
+            const bool isWanted = i < resumeKernel || (i == resumeKernel && resumes) || (i == hintKernel && hints);
+            if (isWanted && !kernels[i]) kernels[i].emplace(makeKernel(device, kernelNames[i], features, elements));
+        }
+    }
+
+    ItemBuffer& itemsOf(const Structure& structure) {
+        if (drawn != &structure) items = std::make_unique<ItemBuffer>(device, structure, tracer);
+        drawn = &structure;
+        return *items;
     }
 
     Device& device;
@@ -136,8 +216,10 @@ struct DeviceFrame::State {
     DeviceTracer& tracer;
     FrameData data;
     BigArray elements;
-    std::vector<Kernel> kernels;
+    FrameKernelSet kernels;
     Commands commands;
+    const Structure* drawn = nullptr;  ///< the structure that `items` is of
+    std::unique_ptr<ItemBuffer> items;
     double setupSeconds = 0.0;  ///< not yet accounted for by a picture
 };
 
@@ -155,14 +237,21 @@ Picture DeviceFrame::render(const FrameOptions& options, const FrameProgress& pr
     State& state = *state_;
     checkOptions(state.scene, options);
     setView(state.scene, state.geometry, withMargin(options), state.data);
-    state.specialize(withOptions(state.data.features, options), options.tolerance > 0.0 || options.deadline);
+    state.specialize(withOptions(state.data.features, options), options.tolerance > 0.0 || options.deadline,
+                     options.itemsOf != nullptr);
     state.data.params.slots = chooseSlots(options.tilePixels, mostSlots(state.device, state.data), state.data);
-    DeviceTiles tiles(state.device, state.data, state.elements, state.kernels, state.commands, state.tracer);
+    std::optional<Hints> hints;
+    if (options.itemsOf)
+        hints.emplace(state.device, state.itemsOf(*options.itemsOf), *state.kernels[hintKernel], state.commands,
+                      state.data.params);
+    DeviceTiles tiles(state.device, state.data, state.elements, state.kernels, state.commands, state.tracer,
+                      hints ? &*hints : nullptr);
     Picture picture;
     picture.statistics.setupSeconds = state.setupSeconds + secondsSince(start);
     renderTiles(tiles, state.data, options, progress, picture);
     picture.statistics.seconds = state.setupSeconds + secondsSince(start);
     state.setupSeconds = 0.0;
+    if (hints) hints->tell(picture.statistics, options.part().pixels() * options.samples);
     return picture;
 }
 

@@ -11,6 +11,7 @@
 
 namespace raig {
 
+class BigArray;
 class Buffer;
 class Commands;
 
@@ -35,6 +36,7 @@ struct TraceReport {
     double deviceSeconds = 0.0;  ///< by the device's own clock; 0 where it has none
     double uploadSeconds = 0.0;
     WalkCounters counters;
+    uint64_t failedHints = 0;    ///< that did not name what the ray meets
 };
 
 /// Thrown where a walk goes on for longer than any of a sound structure does: links lead it around. What findFault() finds
@@ -71,11 +73,18 @@ public:
     /// Records the trace of `count` rays of a device buffer (Ray, tightly packed) into another (Hit), and runs it to the
     /// end: rays whose walk is longer than one dispatch may be are taken up again until all are done.
     /// `shadows`: as traceShadows. The buffers must have storage usage; `count` > 0.
-    virtual TraceReport traceBuffers(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows) = 0;
+    /// `hints` (shared/items.glsl, one a ray; none for shadows) tell what each ray may meet: the hits are the same, to the bit,
+    /// but found sooner where a hint is right.
+    virtual TraceReport traceBuffers(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows,
+                                     const Buffer* hints = nullptr) = 0;
 
     /// As traceBuffers, and costs of each ray as traceCosts has them. Requires costs.size() == count.
     virtual TraceReport traceBuffersCosts(Buffer& rays, Buffer& hits, uint32_t count, bool shadows,
-                                          std::span<uint32_t> costs) = 0;
+                                          std::span<uint32_t> costs, const Buffer* hints = nullptr) = 0;
+
+    /// The structure's arrays on the device.
+    virtual const BigArray& nodes() const = 0;
+    virtual const BigArray& references() const = 0;
 };
 
 std::unique_ptr<DeviceTracer> makeDeviceTracer(Device& device, const Structure& structure, bool counting = false);
