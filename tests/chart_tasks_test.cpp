@@ -118,6 +118,7 @@ TEST(Tasks, RefuseWhatTheyDoNotKnow) {
         {"trace", R"({"accel": "embree-fast"})"}, {"trace", R"({"max-tree-depth": 1e9})"},
         {"trace", R"({"precision": 12})"},        {"trace", R"({"offset": 1e300})"},
         {"trace", R"({"rays": "gamma"})"},        {"picture", R"({"spp": 0})"},
+        {"picture", R"({"primary": "guess"})"},
         {"picture", R"({"side": 1e9})"},          {"picture", R"({"min-contribution": -1})"},
         {"precision", R"({"method": "guess"})"},  {"spawn", R"({"policy": "hope"})"},
         {"spawn", R"({"size": 1e-300})"},         {"spawn", R"({"size": 1, "place": 1e9})"}};

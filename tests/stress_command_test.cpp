@@ -154,7 +154,6 @@ void expectUsageError(const ProgramResult& result, const std::string& mentions, 
 
 TEST(StressCommand, RefusesWhatItCannotDo) {
     expectUsageError(stress({"--case", "35"}), "--case 35: there is no such case; there are 1, 2,");
-    expectUsageError(stress({"--case", "57"}), "--case 57: item buffer against traced first hits: not run, as there is no");
     expectUsageError(stress({"--case", "52", "--ray", "1"}), "case 52 is not one of single rays");
     expectUsageError(stress({"--case", "x"}), "--case x");
     expectUsageError(stress({"--rays", "0"}), "--rays 0");

@@ -53,7 +53,7 @@ TEST(StressPictures, AreRightWithEveryStructure) {
     for (const StructureType& type : structureTypes())
         subjects.push_back(pictureSubjectOf({std::string(type.name), {}}, nullptr));
     const StressReport report = runWith(subjects, hard::pictureCases());
-    EXPECT_EQ(report.results.size(), (hard::pictureCases().size() - 1) * subjects.size()) << "59 is for devices";
+    EXPECT_EQ(report.results.size(), (hard::pictureCases().size() - 2) * subjects.size()) << "57 and 59 are for devices";
     for (const StressResult& result : report.results) {
         EXPECT_EQ(result.forbidden(), 0u) << "case " << result.number << ", " << result.structure << ": "
                                           << (result.examples.empty() ? "" : result.examples[0].what);
@@ -68,7 +68,7 @@ TEST(StressPictures, NoticePixelsThatAreALittleOff) {
         for (vec3& pixel : picture.radiance) pixel = 1.01f * pixel + 0.001f;
     });
     for (const hard::PictureCase& one : hard::pictureCases()) {
-        if (one.number == 59) continue;  // for devices
+        if (one.number == 57 || one.number == 59) continue;  // for devices
         const StressReport report = runWith({brute, brighter}, {one});
         const StressResult& result = report.results.at(1);
         EXPECT_GE(result.forbidden(), result.rays * 95 / 100) << one.number;

@@ -138,7 +138,7 @@ int chart(const Options& options) {
                            .seed = options.seed,
                            .identity = ""};
     std::unique_ptr<Device> device;
-    if (info) device = std::make_unique<Device>(*info);
+    if (info) device = std::make_unique<Device>(*info, DeviceOptions{.graphics = info->features.graphics});
     settings.device = device.get();
     const MeasuredArithmetic measured =
         device ? measureArithmetic(*device) : MeasuredArithmetic{measureHostArithmetic(), ""};

@@ -66,6 +66,7 @@ StressReport runPictures(const Options& options, const StressMakers& makers, con
                              .device = document.devices.back().name,
                              .deviceNumber = document.devices.size() - 1,
                              .isDevice = device != nullptr,
+                             .draws = device != nullptr && device->draws(),
                              .subjects = {makers.pictures({"brute", {}}, device)}};
     std::erase_if(settings.cases, [&](const hard::PictureCase& one) { return !hasCase(document, one.number); });
     for (const Variant& variant : onePerStructure(options, variants))
@@ -140,7 +141,7 @@ void runOn(const std::optional<DeviceInfo>& info, const Options& options, const 
     std::unique_ptr<Device> device;
     std::optional<Error> failure;
     try {
-        if (info) device = std::make_unique<Device>(*info);
+        if (info) device = std::make_unique<Device>(*info, DeviceOptions{.graphics = info->features.graphics});
     } catch (const Error& error) {
         failure = error;
     }

@@ -25,8 +25,7 @@ std::vector<Case> allCasesOfAnyKind() {
 }
 
 std::vector<NotRun> notRun() {
-    return {{57, "item buffer against traced first hits", "there is no --primary raster yet"},
-            {60, "a budget of one loop iteration, killing and going on", "pictures cannot be resumed yet"},
+    return {{60, "a budget of one loop iteration, killing and going on", "pictures cannot be resumed yet"},
             {61, "a picture of which pixels are no numbers", "there is no such AOV yet"}};
 }
 

@@ -136,7 +136,7 @@ std::vector<PictureCase> frameCases() {
 
 std::vector<PictureCase> pictureCases() {
     std::vector<PictureCase> all;
-    for (const auto& cases : {recursionCases(), glassCases(), frameCases()})
+    for (const auto& cases : {recursionCases(), glassCases(), itemCases(), frameCases()})
         all.insert(all.end(), cases.begin(), cases.end());
     return all;
 }

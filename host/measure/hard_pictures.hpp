@@ -21,7 +21,9 @@ struct PictureScene {
     /// Pretends that a device binds arrays of no more elements than these; 0: as it is. For devices only. Then the scene may
     /// be refused, too: the limit is told, and there is no picture.
     uint64_t largestBinding = 0;
-    bool isRefused = false;  ///< it must be
+    bool isRefused = false;       ///< it must be
+    bool isDrawn = false;         ///< pictures after the first are by item buffers: for devices that draw
+    bool keepsInstances = false;  ///< whatever stands in several places is stored once
 };
 
 struct PictureCase {
@@ -35,6 +37,7 @@ std::vector<PictureCase> glassCases();      ///< 54 to 56
 /// Of cases 54 and 55: media within media, and eyes within them.
 std::vector<PictureScene> mediaInMedia();
 std::vector<PictureScene> eyesInMedia();
+std::vector<PictureCase> itemCases();       ///< 57: item buffers
 std::vector<PictureCase> frameCases();      ///< 58 to 61: sizes, limits, tiles, numbers that are none
 
 /// All of them, by number.

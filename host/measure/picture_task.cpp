@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <map>
 
 namespace raig {
@@ -24,6 +25,7 @@ public:
     Stage(const ChartScene& scene, Device* device)
         : scene_(scene), structure_(structureType("bvh").build(scene.primitives(), {})) {
         markSeeThrough(scene.scene(), scene.geometry(), structure_);
+        canDraw_ = device && device->draws();
         if (device) {
             onDevice_ = makeDeviceTracer(*device, structure_);
             frame_ = std::make_unique<DeviceFrame>(*device, scene.scene(), scene.geometry(), *onDevice_);
@@ -32,7 +34,10 @@ public:
         }
     }
 
-    Picture render(const FrameOptions& options) {
+    /// `draws`: camera rays are told what an item buffer shows. Throws limitError where nothing can be drawn.
+    Picture render(FrameOptions options, bool draws) {
+        if (draws && !canDraw_) throw limitError("there is no device that draws");
+        if (draws) options.itemsOf = &structure_;
         return frame_ ? frame_->render(options) : renderPicture(scene_.scene(), scene_.geometry(), *onCpu_, options);
     }
 
@@ -59,6 +64,7 @@ public:
 private:
     const ChartScene& scene_;
     Structure structure_;
+    bool canDraw_ = false;
     std::unique_ptr<DeviceTracer> onDevice_;
     std::unique_ptr<Tracer> onCpu_;
     std::unique_ptr<DeviceFrame> frame_;
@@ -83,7 +89,11 @@ public:
 
     void check(const Json& settings) const override {
         checkSettings(settings, "picture",
-                      {"max-depth", "min-contribution", "spp", "adaptive", "pictures", "side", "reference-spp", "repeat"}, {});
+                      {"max-depth", "min-contribution", "spp", "adaptive", "pictures", "side", "reference-spp", "repeat"},
+                      {"primary"});
+        const std::string primary = textOf(settings, "primary", "ray");
+        if (primary != "ray" && primary != "raster")
+            throw usageError("the setting \"primary\" takes ray or raster, not \"{}\"", primary);
         const auto whole = [&](const char* name, double low, double high) {
             const double value = numberOf(settings, name, low);
             if (!(value >= low && value <= high && value == std::floor(value)))
@@ -119,6 +129,7 @@ public:
         // The noise of samples is measured against other ones; all else with the same, so that noise cancels.
         const uint32_t seed = referenceSamples > 1 ? settings_.seed + 0x5eed : settings_.seed;
         const reference::Picture& expected = stage_->reference(side, referenceSamples, seed);
+        draws_ = textOf(settings, "primary", "ray") == "raster";
         Picture picture;
         const double seconds = render(frame, static_cast<uint32_t>(numberOf(settings, "pictures", 1)),
                                       static_cast<uint32_t>(numberOf(settings, "repeat", 3)), picture);
@@ -130,6 +141,7 @@ public:
                          {"shadow_rays_per_sample", shadow / samples / pixels},
                          {"rays_per_pixel", (closest + shadow) / pixels},
                          {"unsettled", picture.statistics.unsettled}};
+        addPrimaries(picture, frame, measures);
         compare(picture, expected, referenceSamples == 1 && frame.samples == 1, measures);
         measures["mean_depth"] =
             meanOf(stage_->renderReference(depthSide, 1, seed, frame.maxDepth, double{frame.minContribution}, 0).depth);
@@ -146,6 +158,10 @@ public:
                                  {"shadow_rays_per_sample", "shadow rays a sample"},
                                  {"rays_per_pixel", "rays a pixel"},
                                  {"unsettled", "pixels whose error is above the tolerance"},
+                                 {"camera_milliseconds", "ms for camera rays, drawing included"},
+                                 {"draw_milliseconds", "ms of drawing"},
+                                 {"fallback_percent", "% of camera rays that met other than was drawn"},
+                                 {"differing", "pixels with other bits than those of traced camera rays"},
                                  {"rmse", "RMSE, linear light"},
                                  {"relmse", "relMSE"},
                                  {"flip_mean", "FLIP, mean"},
@@ -174,17 +190,33 @@ private:
         return picture.samples.empty() ? ofEach : sum / double(picture.samples.size());
     }
 
+    /// Of the first ray of each pixel, the only one that is told apart: how long it took, and how often it was led astray.
+    void addPrimaries(const Picture& picture, const FrameOptions& frame, Json& measures) {
+        const FrameStatistics& s = picture.statistics;
+        measures.update({{"camera_milliseconds", cameraMilliseconds_},
+                         {"draw_milliseconds", 1e3 * s.drawSeconds},
+                         {"fallback_percent", s.hintedRays ? 100.0 * double(s.fallbacks) / double(s.hintedRays) : 0.0},
+                         {"differing", 0}});
+        if (!draws_) return;
+        const Picture traced = stage_->render(frame, false);
+        uint64_t differing = 0;
+        for (size_t i = 0; i < traced.radiance.size(); ++i)
+            differing += std::memcmp(&traced.radiance[i], &picture.radiance[i], sizeof(vec3)) != 0;
+        measures["differing"] = differing;
+    }
+
     /// The mean of `pictures` pictures, of seeds one after the other. Returns the time it took: of one picture the median of
     /// `repeat` times.
     double render(FrameOptions frame, uint32_t pictures, uint32_t repeat, Picture& mean) {
-        std::vector<double> seconds;
+        std::vector<double> seconds, camera;
         for (uint32_t i = 0; i < repeat; ++i) {
             const auto start = std::chrono::steady_clock::now();
-            mean = stage_->render(frame);
+            mean = stage_->render(frame, draws_);
+            camera.push_back(1e3 * (mean.statistics.firstSeconds + mean.statistics.drawSeconds));
             for (uint32_t k = 1; k < pictures && i == 0; ++k) {
                 FrameOptions other = frame;
                 other.seed = frame.seed + k;
-                const Picture more = stage_->render(other);
+                const Picture more = stage_->render(other, draws_);
                 for (size_t p = 0; p < mean.radiance.size(); ++p) {
                     mean.radiance[p] += more.radiance[p];
                     mean.discarded[p] += more.discarded[p];
@@ -198,6 +230,7 @@ private:
             }
             if (seconds.back() > 2.0) break;  // what takes so long is not noise
         }
+        cameraMilliseconds_ = quartilesOf(camera).median;
         return quartilesOf(seconds).median;
     }
 
@@ -254,6 +287,8 @@ private:
     }
 
     TaskSettings settings_;
+    bool draws_ = false;               ///< in the point at hand
+    double cameraMilliseconds_ = 0.0;  ///< of the last render()
     std::unique_ptr<Stage> stage_;
 };
 

@@ -4,6 +4,7 @@
 #include "measure/corruption.hpp"
 #include "measure/hard_meshes.hpp"
 #include "rays/lights.hpp"
+#include "rays/placed_scene.hpp"
 #include "rays/primitives.hpp"
 #include "rays/tracer.hpp"
 
@@ -143,16 +144,25 @@ std::vector<Picture> renderOn(Device& device, const hard::PictureScene& scene, c
     const std::unique_ptr<DeviceTracer> tracer = makeDeviceTracer(device, structure);
     DeviceFrame frame(device, scene.scene, geometry, *tracer);
     std::vector<Picture> pictures;
-    for (const FrameOptions& options : scene.options) pictures.push_back(frame.render(options));
+    for (FrameOptions options : scene.options) {
+        if (scene.isDrawn && !pictures.empty()) options.itemsOf = &structure;
+        pictures.push_back(frame.render(options));
+    }
     return pictures;
+}
+
+Structure buildFor(const hard::PictureScene& scene, const Geometry& geometry, const Variant& variant) {
+    return scene.keepsInstances
+               ? buildTwoLevels(placedScene(geometry, {}), structureType(variant.structure), variant.params)
+               : variant.build(primitivesOf(geometry));
 }
 
 }  // namespace
 
 PictureSubject pictureSubjectOf(const Variant& variant, Device* device) {
     const auto render = [variant, device](const hard::PictureScene& scene) {
-        const Geometry geometry = flatten(scene.scene);
-        Structure structure = variant.build(primitivesOf(geometry));
+        const Geometry geometry = scene.keepsInstances ? gatherInstances(scene.scene) : flatten(scene.scene);
+        Structure structure = buildFor(scene, geometry, variant);
         markSeeThrough(scene.scene, geometry, structure);
         if (device == nullptr) return renderOnCpu(scene, geometry, structure);
         if (scene.largestBinding == 0) return renderOn(*device, scene, geometry, structure);
@@ -179,6 +189,7 @@ StressReport stressPictures(const PictureSettings& settings,
         const std::vector<hard::PictureScene> scenes = pictureCase.make(settings.draw);
         for (size_t i = 0; i < scenes.size() && !report.stopped; ++i) {
             if (scenes[i].largestBinding > 0 && !settings.isDevice) continue;
+            if (scenes[i].isDrawn && !settings.draws) continue;
             Rendered first;
             for (size_t s = 0; s < settings.subjects.size() && !report.stopped; ++s) {
                 const PictureSubject& subject = settings.subjects[s];

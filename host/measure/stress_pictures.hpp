@@ -24,6 +24,7 @@ struct PictureSettings {
     std::string device;                    ///< its name, for the results
     size_t deviceNumber = 0;               ///< among all devices of the run, for the results
     bool isDevice = false;                 ///< not the CPU: scenes that pretend a device's limits are run, too
+    bool draws = false;                    ///< a device opened with DeviceOptions::graphics: so are item buffers
     std::vector<PictureSubject> subjects;  ///< with the bits of the first, others are compared
 };
 

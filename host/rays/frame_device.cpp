@@ -47,7 +47,8 @@ public:
     }
 
     /// The next tile: its pixels, in the order of pixelOf(), are of so many rows.
-    void beginTile(const TileStep& step) {
+    void beginTile(const TileStep& step, uint32_t samples) {
+        cameraRays_ += uint64_t{step.count} * samples;
         const uint64_t strip = 8 * uint64_t{frame_.partWidth};
         const uint64_t end = (uint64_t{step.firstPixel} + step.count + strip - 1) / strip * 8;
         items_.show(frame_, static_cast<uint32_t>(step.firstPixel / strip * 8),
@@ -64,8 +65,8 @@ public:
     }
 
     void count(uint64_t failed) { failed_ += failed; }
-    void tell(FrameStatistics& statistics, uint64_t cameraRays) const {
-        statistics.hintedRays = cameraRays;
+    void tell(FrameStatistics& statistics) const {
+        statistics.hintedRays = cameraRays_;
         statistics.fallbacks = failed_;
         statistics.drawnTriangles = items_.triangles();
         statistics.drawSeconds = items_.seconds();
@@ -77,6 +78,7 @@ private:
     Commands& commands_;
     FrameParams frame_;
     Buffer hints_;
+    uint64_t cameraRays_ = 0;
     uint64_t failed_ = 0;
 };
 
@@ -108,7 +110,7 @@ public:
     double longestSeconds() const override { return software_ ? 2.0 : 0.05; }
 
     double run(FrameKernel kernel, const TileStep& step) override {
-        if (kernel == FrameKernel::begin && hints_) hints_->beginTile(step);
+        if (kernel == FrameKernel::begin && hints_) hints_->beginTile(step, params_.samples);
         if (kernel == FrameKernel::begin || kernel == FrameKernel::resume) isHinted_ = hints_ && kernel == FrameKernel::begin;
         listAt_ = kernel == FrameKernel::gather ? step.nextAt : step.listAt;
         if (kernel == FrameKernel::gather) commands_.fill(count_, 0);
@@ -251,7 +253,7 @@ Picture DeviceFrame::render(const FrameOptions& options, const FrameProgress& pr
     renderTiles(tiles, state.data, options, progress, picture);
     picture.statistics.seconds = state.setupSeconds + secondsSince(start);
     state.setupSeconds = 0.0;
-    if (hints) hints->tell(picture.statistics, options.part().pixels() * options.samples);
+    if (hints) hints->tell(picture.statistics);
     return picture;
 }
 
