@@ -18,14 +18,14 @@ void findPrimaryHit(uint i) {
     PrimaryHit found = PrimaryHit(vec3(0.0f), uintBitsToFloat(0x7f800000u), vec3(0.0f), 0.0f, vec3(0.0f), 0.0f, NO_HIT,
                                   NO_HIT, NO_HIT, states[i].pixel);
     if (hit.primitive != NO_HIT) {
-        SurfacePoint p = surfaceAt(ray, hit);
+        SurfacePoint p = surfaceAt(ray, hit, 0.0f);
         uvec4 triangle = facetOf(hit.primitive).triangle;
         bool isSphere = (FEATURES & FEATURE_SPHERES) != 0u && triangle.y == NO_VERTEX;
         vec2 uv = vec2(hit.u, hit.v);
         if ((FEATURES & FEATURE_UVS) != 0u) {
             uv = vec2(0.0f, 0.0f);
             precise float b0 = 1.0f - hit.u - hit.v;
-            if (!isSphere) uv = textureCoordinates(triangle, vec3(b0, hit.u, hit.v));
+            if (!isSphere) uv = textureCoordinates(triangle, vec3(b0, hit.u, hit.v), 0u);
         }
         found = PrimaryHit(p.at.position, hit.t, p.shading, uv.x, albedoOf(p), uv.y, hit.primitive, NO_HIT, triangle.w,
                            states[i].pixel);

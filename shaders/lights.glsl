@@ -80,11 +80,12 @@ ShadowRay emitterRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key) {
     if (index > 0u) below = uintBitsToFloat(scene_at(frame.emittersAt + index - 1u).x);
     Facet facet = facetOf(emitter.y);
     Corners corners = cornersOf(facet);
-    vec3 emission = xyzOf(scene_at(frame.materialsAt + facet.triangle.w * MATERIAL_STRIDE + 4u));
 
     precise float r = sqrt(square.x);
     precise float b1 = r * (1.0f - square.y);
     precise float b2 = r * square.y;
+    precise float b0 = 1.0f - b1 - b2;
+    vec3 emission = emissionAt(facet.triangle, vec3(b0, b1, b2), 0.0f, 0.0f);
     BoundedPoint q = pointOf(corners.a, corners.b, corners.c, b1, b2);
     precise vec3 v = q.position - p.at.position;
     precise float squaredDistance = dot(v, v);

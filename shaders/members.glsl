@@ -33,11 +33,13 @@ void putAll(TileStep s) { put(s.count); put(s.listAt); put(s.nextAt); put(s.comp
 
 void putAll(PathState s) {
     put(s.weight); put(s.depth); put(s.sum); put(s.discarded); put(s.pixel); put(s.sampleIndex); put(s.key);
-    put(s.pendingCount); put(s.shadowRays); put(s.deepest); put(s.media); put(s.forgotten);
+    put(s.pendingCount); put(s.shadowRays); put(s.deepest); put(s.media); put(s.forgotten); put(s.travelled);
+    put(s.passes); put(s.unused0); put(s.unused1);
 }
 
 void putAll(PendingRay s) {
     put(s.origin); put(s.depth); put(s.direction); put(s.key); put(s.weight); put(s.media);
+    put(s.travelled); put(s.passes); put(s.unused0); put(s.unused1);
 }
 
 void putAll(PixelResult s) {

@@ -9,17 +9,18 @@ Ray beginSample(INOUT(PathState) state) {
     state.key = 0u;
     state.pendingCount = 0u;
     state.media = frame.eyeMedia;
+    state.travelled = 0.0f;
     return cameraRay(state.pixel, state.sampleIndex);
 }
 
 PathState beginPixel(uint pixel) {
-    return PathState(vec3(1.0f), 0u, vec3(0.0f), 0.0f, pixel, 0u, 0u, 0u, 0u, 0u, 0u, 0u);
+    return PathState(vec3(1.0f), 0u, vec3(0.0f), 0.0f, pixel, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0.0f, 0u, 0u, 0u);
 }
 
 // Puts off a ray below `state`'s present one until all that was put off after it is done; or discards it, if it goes deeper
 // than NIVELL_MAX or weighs less than MIN_CONTRIB: then the greatest component of its weight is added to the pixel's
 // discarded weight, which so bounds the error, times the brightest radiance. `media`: what it is in. Requires room for
-// maxDepth + 1 rays a slot.
+// maxDepth + 1 rays a slot, and state.travelled to be that of the ray's origin.
 void follow(uint slot, INOUT(PathState) state, vec3 origin, vec3 direction, vec3 weight, uint key, uint media) {
     float largest = largestOf(weight);
     bool deep = state.depth + 1u > frame.maxDepth;
@@ -27,7 +28,7 @@ void follow(uint slot, INOUT(PathState) state, vec3 origin, vec3 direction, vec3
         state.discarded += largest;
     } else if (largest > 0.0f) {
         pending[state.pendingCount * frame.slots + slot] =
-            PendingRay(origin, state.depth + 1u, direction, key, weight, media);
+            PendingRay(origin, state.depth + 1u, direction, key, weight, media, state.travelled, 0u, 0u, 0u);
         state.pendingCount += 1u;
     }
 }
@@ -40,6 +41,7 @@ Ray takeUp(uint slot, INOUT(PathState) state) {
     state.depth = next.depth;
     state.key = next.key;
     state.media = next.media;
+    state.travelled = next.travelled;
     state.deepest = max(state.deepest, next.depth);
     return Ray(next.origin, 0.0f, next.direction, FAR_AWAY);
 }

@@ -14,8 +14,10 @@ vec3 shadeSurface(uint slot, Ray ray, Hit hit, SurfacePoint p, INOUT(PathState) 
 
     Split split = splitAt(ray.direction, p, crossing);
     precise vec3 scattered = state.weight * split.diffuse;
-    precise vec3 ambient = state.sum + scattered * frame.ambient;
+    precise vec3 ambient = state.sum + scattered * (p.openness * frame.ambient);
     state.sum = ambient;
+    precise float travelled = state.travelled + hit.t;
+    state.travelled = travelled;
     if ((FEATURES & FEATURE_TRANSMISSION) != 0u) {
         vec3 weight = state.weight * split.transmitted;
         follow(slot, state, spawnOrigin(p.at, -p.normal), split.transmittedWay, weight, 2u * state.key + 2u,
@@ -55,7 +57,7 @@ void shade(uint i) {
         precise vec3 sum = state.sum + state.weight * skyRadiance(ray.direction);
         state.sum = sum;
     } else if (working) {
-        p = surfaceAt(ray, hit);
+        p = surfaceAt(ray, hit, state.travelled);
         direct = shadeSurface(slot, ray, hit, p, state);
     }
     bool lit = largestOf(direct) > 0.0f;

@@ -6,18 +6,19 @@
 struct SurfacePoint {
     BoundedPoint at;
     vec3 normal;         // n: of the triangle or sphere, on the ray's side
-    vec3 shading;        // ns: interpolated from the vertices, on the ray's side
+    vec3 shading;        // ns: interpolated from the vertices and bent by the normal texture, on the ray's side
     bool front;          // the ray came from where the corners run counterclockwise, or from outside the sphere
-    vec3 diffuse;        // tinted by texture and vertex colours
+    vec3 diffuse;
     float gloss;
-    vec3 mirror;         // tinted
+    vec3 mirror;
     float ior;
-    vec3 through;        // tinted transmission
-    bool transmissive;   // lets light through at all, before the tint
+    vec3 through;
+    bool transmissive;   // lets light through at all, before textures
     vec3 absorption;
     bool thin;
     uint medium;         // what is within, if it is known to be closed: see media.glsl
     vec3 emission;
+    float openness;      // the share of ambient light that the occlusion texture lets in
 };
 
 struct Corners {
@@ -84,9 +85,8 @@ Corners vertexNormals(Facet facet) {
     return Corners(placeNormal(placement, a), placeNormal(placement, b), placeNormal(placement, c));
 }
 
-// The shading normal for a ray of unit direction d: the vertices' normals interpolated, on the side of n. n itself where a
-// vertex has none, where they cancel, and where the ray would meet the interpolated one from behind.
-vec3 shadingNormal(Facet facet, vec3 b, vec3 d, vec3 n) {
+// The vertices' normals interpolated, on the side of n; n itself where a vertex has none, or where they cancel.
+vec3 interpolatedNormal(Facet facet, vec3 b, vec3 n) {
     Corners normals = vertexNormals(facet);
     vec3 n0 = normals.a;
     vec3 n1 = normals.b;
@@ -95,56 +95,217 @@ vec3 shadingNormal(Facet facet, vec3 b, vec3 d, vec3 n) {
     bool missing = dot(n0, n0) == 0.0f || dot(n1, n1) == 0.0f || dot(n2, n2) == 0.0f;
     if (missing || sqrt(dot(sum, sum)) < 1e-3f) return n;
     vec3 interpolated = unit(sum);
-    if (dot(interpolated, n) < 0.0f) interpolated = -interpolated;
-    return dot(interpolated, d) >= 0.0f ? n : interpolated;
+    return dot(interpolated, n) < 0.0f ? -interpolated : interpolated;
 }
 
-// The texture coordinates at barycentric coordinates b. Requires FEATURE_UVS.
-vec2 textureCoordinates(uvec4 triangle, vec3 b) {
-    uint at0 = vertexElement(triangle.x);
-    uint at1 = vertexElement(triangle.y);
-    uint at2 = vertexElement(triangle.z);
-    precise float u = b.x * uintBitsToFloat(scene_at(at0).w) + b.y * uintBitsToFloat(scene_at(at1).w) +
-                      b.z * uintBitsToFloat(scene_at(at2).w);
-    precise float v = b.x * uintBitsToFloat(scene_at(at0 + 1u).w) + b.y * uintBitsToFloat(scene_at(at1 + 1u).w) +
-                      b.z * uintBitsToFloat(scene_at(at2 + 1u).w);
-    return vec2(u, v);
+// `normal`, bent towards where the ray of unit direction d comes from, if the ray would meet it from behind or nearly so:
+// until the cosine between them is 1/1024 or so. Continuous, so silhouettes of smooth surfaces are, too.
+vec3 facingNormal(vec3 normal, vec3 d) {
+    precise float lacking = 0.0009765625f + dot(normal, d);
+    precise vec3 bent_ = normal - lacking * d;
+    return lacking > 0.0f ? unit(bent_) : normal;
 }
 
-// What multiplies the surface's colours at barycentric coordinates b: texture times vertex colour, 1 where absent.
-vec3 tintAt(uvec4 triangle, vec3 b, uint texture_) {
-    vec3 tint = vec3(1.0f);
-    if ((FEATURES & FEATURE_TEXTURES) != 0u && texture_ != NO_TEXTURE) {
-        vec2 uv = textureCoordinates(triangle, b);
-        tint = textureColour(texture_, uv.x, uv.y);
+// A corner's texture coordinates of set 0 or 1.
+vec2 uvOfVertex(uint vertex, uint set_) {
+    uint at = vertexElement(vertex);
+    if ((FEATURES & FEATURE_MORE_UVS) != 0u && set_ == 1u) {
+        uvec4 more = scene_at(at + ((FEATURES & FEATURE_TANGENTS) != 0u ? 3u : 2u));
+        return vec2(uintBitsToFloat(more.x), uintBitsToFloat(more.y));
     }
-    if ((FEATURES & FEATURE_COLORS) != 0u) {
-        uint last = frame.vertexStride - 1u;
-        precise vec3 colour = b.x * xyzOf(scene_at(vertexElement(triangle.x) + last)) +
-                              b.y * xyzOf(scene_at(vertexElement(triangle.y) + last)) +
-                              b.z * xyzOf(scene_at(vertexElement(triangle.z) + last));
-        tint = tint * colour;
-    }
-    return tint;
+    return vec2(uintBitsToFloat(scene_at(at).w), uintBitsToFloat(scene_at(at + 1u).w));
 }
 
-// Where the ray meets the triangle, with its normals. Returns the tint.
-vec3 meetTriangle(Facet facet, uint texture_, Ray ray, Hit hit, INOUT(SurfacePoint) p) {
+// The texture coordinates of a set at barycentric coordinates b. Requires FEATURE_UVS.
+vec2 textureCoordinates(uvec4 triangle, vec3 b, uint set_) {
+    precise vec2 uv = b.x * uvOfVertex(triangle.x, set_) + b.y * uvOfVertex(triangle.y, set_) +
+                      b.z * uvOfVertex(triangle.z, set_);
+    return uv;
+}
+
+// The side of the square of texture coordinates of a set that a ray covers which is `width` across where it meets the
+// triangle at the angle of that cosine: the square of the ray's cross section, as long as its ellipse on the triangle is,
+// and the triangle's own scale by area (ray cones: Akenine-Moeller et al. 2019, section 20.3.4); of a sliver it may be
+// anything.
+float coveredUvs(uvec4 triangle, Corners corners, uint set_, float width, float cosine) {
+    vec2 uv0 = uvOfVertex(triangle.x, set_);
+    precise vec2 uv1 = uvOfVertex(triangle.y, set_) - uv0;
+    precise vec2 uv2 = uvOfVertex(triangle.z, set_) - uv0;
+    precise vec3 ab = corners.b - corners.a;
+    precise vec3 ac = corners.c - corners.a;
+    float scaleAb = unitScale(ab);
+    float scaleAc = unitScale(ac);
+    vec3 cross_ = crossOf(ab * scaleAb, ac * scaleAc);
+    float scale = unitScale(cross_);
+    precise vec3 scaled = cross_ * scale;
+    precise float area = sqrt(dot(scaled, scaled)) / scale;  // of the scaled triangle, twice
+    precise float uvArea = abs(uv1.x * uv2.y - uv2.x * uv1.y);
+    precise float density = sqrt(uvArea / area * scaleAb * scaleAc);
+    precise float covered = width / cosine * density;
+    return covered;
+}
+
+// What a hit's look-ups have in common: the triangle, barycentric coordinates, and what the ray covers of each set.
+struct Look {
+    uvec4 triangle;
+    vec3 b;
+    float covered;
+    float coveredMore;
+};
+
+vec4 lookUp(Look look, uint texture_, bool encoded) {
+    uint set_ = (FEATURES & FEATURE_MORE_UVS) != 0u ? textureSet(texture_) : 0u;
+    vec2 uv = textureCoordinates(look.triangle, look.b, set_);
+    return textureAt(texture_, uv, set_ == 1u ? look.coveredMore : look.covered, encoded);
+}
+
+// Where u of a normal texture grows on the triangle, unit length or zero, and 1 or -1: times the cross product of the normal
+// (that of the corners' order) and it, where the texture's y grows, which is upwards, against v. From the vertices where all
+// have tangents, else from the triangle's texture coordinates. `dv`s are those of the transformed coordinates.
+vec4 tangentAt(Facet facet, Corners corners, vec3 b, vec2 uv1, vec2 uv2) {
+    if ((FEATURES & FEATURE_TANGENTS) != 0u) {
+        uvec4 stored0 = scene_at(vertexElement(facet.triangle.x) + 2u);
+        vec4 t0 = rowOf(stored0);
+        vec4 t1 = rowOf(scene_at(vertexElement(facet.triangle.y) + 2u));
+        vec4 t2 = rowOf(scene_at(vertexElement(facet.triangle.z) + 2u));
+        float hand = t0.w;
+        if ((FEATURES & FEATURE_INSTANCES) != 0u) {
+            Placement placement = Placement(rowOf(scene_at(facet.instance)), rowOf(scene_at(facet.instance + 1u)),
+                                            rowOf(scene_at(facet.instance + 2u)));
+            if ((scene_at(facet.instance + 5u).w & 1u) != 0u) hand = -hand;
+            t0 = vec4(placeTangent(placement, t0), t0.w);
+            t1 = vec4(placeTangent(placement, t1), t1.w);
+            t2 = vec4(placeTangent(placement, t2), t2.w);
+        }
+        precise vec4 sum = b.x * t0 + b.y * t1 + b.z * t2;
+        if (t0.w != 0.0f && t1.w != 0.0f && t2.w != 0.0f) return vec4(sum.x, sum.y, sum.z, hand);
+    }
+    precise float turn = uv1.x * uv2.y - uv2.x * uv1.y;
+    float sign_ = turn > 0.0f ? 1.0f : -1.0f;
+    precise vec3 ab = corners.b - corners.a;
+    precise vec3 ac = corners.c - corners.a;
+    float scale = unitScale(vec3(largestOf(abs(ab)), largestOf(abs(ac)), 0.0f));
+    precise vec3 along = sign_ * (uv2.y * (ab * scale) - uv1.y * (ac * scale));
+    vec3 tangent = along * unitScale(along);
+    return turn == 0.0f ? vec4(0.0f) : vec4(tangent.x, tangent.y, tangent.z, -sign_);
+}
+
+// `normal`, of the front, as the material's normal texture bends it.
+vec3 bentNormal(Facet facet, Corners corners, Look look, uint texture_, float scale, vec3 normal) {
+    uint set_ = (FEATURES & FEATURE_MORE_UVS) != 0u ? textureSet(texture_) : 0u;
+    vec2 uv0 = uvOfVertex(facet.triangle.x, set_);
+    precise vec2 uv1 = uvOfVertex(facet.triangle.y, set_) - uv0;
+    precise vec2 uv2 = uvOfVertex(facet.triangle.z, set_) - uv0;
+    vec4 tangent = tangentAt(facet, corners, look.b, transformed(texture_, uv1, 0.0f), transformed(texture_, uv2, 0.0f));
+    vec3 t = vec3(tangent.x, tangent.y, tangent.z);
+    precise vec3 across = t - dot(normal, t) * normal;
+    precise float square = dot(across, across);
+    if (!(square > 1e-6f)) return normal;
+    precise vec3 x = across / sqrt(square);
+    precise vec3 y = tangent.w * crossOf(normal, x);
+    vec4 value = lookUp(look, texture_, false);
+    precise vec3 sum = (scale * (2.0f * value.x - 1.0f)) * x + (scale * (2.0f * value.y - 1.0f)) * y +
+                       (2.0f * value.z - 1.0f) * normal;
+    return dot(sum, sum) > 1e-6f ? unit(sum) : normal;
+}
+
+// The radiance that a triangle sends out by itself at barycentric coordinates b.
+vec3 emissionAt(uvec4 triangle, vec3 b, float covered, float coveredMore) {
+    uint material = frame.materialsAt + triangle.w * MATERIAL_STRIDE;
+    vec3 emission = xyzOf(scene_at(material + 1u));
+    if ((FEATURES & FEATURE_EMISSION_TEXTURES) == 0u) return emission;
+    uint texture_ = scene_at(material + 4u).w;
+    if (texture_ == NO_TEXTURE) return emission;
+    vec4 value = lookUp(Look(triangle, b, covered, coveredMore), texture_, true);
+    precise vec3 tinted = emission * vec3(value.x, value.y, value.z);
+    return tinted;
+}
+
+// A material in the terms of host/scene/surface.hpp, its factors as they are at a point.
+void reduceMaterial(uint material, vec3 base, float metallic, float roughness, INOUT(SurfacePoint) p) {
+    uvec4 absorption = scene_at(material + 2u);
+    uvec4 more = scene_at(material + 3u);
+    float transmission = uintBitsToFloat(more.x);
+    float alpha = uintBitsToFloat(more.y);
+    p.ior = uintBitsToFloat(absorption.w);
+    p.absorption = xyzOf(absorption);
+    p.thin = (more.w & SURFACE_THIN) != 0u;
+    p.medium = scene_at(material + 5u).w;
+    precise float polish = max(0.0f, 1.0f - 2.0f * roughness);
+    precise float gloss = polish * polish;
+    precise vec3 diffuse = (alpha * ((1.0f - metallic) * (1.0f - transmission) + metallic * (1.0f - gloss))) * base;
+    precise vec3 mirror = gloss * ((1.0f - metallic) * vec3(uintBitsToFloat(more.z)) + metallic * base);
+    precise vec3 through = ((1.0f - metallic) * transmission) * base;
+    p.gloss = gloss;
+    p.diffuse = diffuse;
+    p.mirror = mirror;
+    p.through = (more.w & SURFACE_IS_VEIL) != 0u ? vec3(1.0f - alpha) : through;
+    p.transmissive = (FEATURES & FEATURE_TRANSMISSION) != 0u && (more.w & SURFACE_TRANSMITS) != 0u;
+}
+
+// The mean of the vertices' colours at barycentric coordinates b.
+vec3 vertexColour(uvec4 triangle, vec3 b) {
+    uint last = frame.vertexStride - 1u;
+    precise vec3 colour = b.x * xyzOf(scene_at(vertexElement(triangle.x) + last)) +
+                          b.y * xyzOf(scene_at(vertexElement(triangle.y) + last)) +
+                          b.z * xyzOf(scene_at(vertexElement(triangle.z) + last));
+    return colour;
+}
+
+// Where the ray meets the triangle, with its normals and its material. `width` is that of the ray there.
+void meetTriangle(Facet facet, Ray ray, Hit hit, float width, INOUT(SurfacePoint) p) {
     uvec4 triangle = facet.triangle;
     Corners corners = cornersOf(facet);
     precise float b0 = 1.0f - hit.u - hit.v;
     vec3 b = vec3(b0, hit.u, hit.v);
     p.at = pointOf(corners.a, corners.b, corners.c, hit.u, hit.v);
     vec3 faced = faceNormal(corners.a, corners.b, corners.c, -ray.direction);
-    p.front = dot(ray.direction, faced) < 0.0f;
+    precise float cosine = dot(ray.direction, faced);
+    p.front = cosine < 0.0f;
     p.normal = p.front ? faced : -faced;
     p.shading = p.normal;
-    if ((FEATURES & FEATURE_NORMALS) != 0u) p.shading = shadingNormal(facet, b, ray.direction, p.normal);
-    return tintAt(triangle, b, texture_);
+    if ((FEATURES & FEATURE_NORMALS) != 0u) p.shading = interpolatedNormal(facet, b, p.normal);
+
+    uint material = frame.materialsAt + triangle.w * MATERIAL_STRIDE;
+    uvec4 first = scene_at(material);
+    vec3 base = xyzOf(first);
+    float metallic = uintBitsToFloat(first.w);
+    float roughness = uintBitsToFloat(scene_at(material + 1u).w);
+    Look look = Look(triangle, b, 0.0f, 0.0f);
+    if ((FEATURES & FEATURE_COLORS) != 0u) base = base * vertexColour(triangle, b);
+    if ((FEATURES & FEATURE_TEXTURES) != 0u) {
+        uvec4 textures = scene_at(material + 4u);
+        uvec4 last = scene_at(material + 5u);
+        look.covered = coveredUvs(triangle, corners, 0u, width, abs(cosine));
+        if ((FEATURES & FEATURE_MORE_UVS) != 0u)
+            look.coveredMore = coveredUvs(triangle, corners, 1u, width, abs(cosine));
+        if ((FEATURES & FEATURE_COLOR_TEXTURES) != 0u && textures.x != NO_TEXTURE) {
+            vec4 value = lookUp(look, textures.x, true);
+            base = base * vec3(value.x, value.y, value.z);
+        }
+        if ((FEATURES & FEATURE_ROUGHNESS_TEXTURES) != 0u && textures.y != NO_TEXTURE) {
+            vec4 value = lookUp(look, textures.y, false);
+            roughness = roughness * value.y;
+            metallic = metallic * value.z;
+        }
+        if ((FEATURES & FEATURE_NORMAL_TEXTURES) != 0u && textures.z != NO_TEXTURE) {
+            float side = p.front ? 1.0f : -1.0f;
+            p.shading = side * bentNormal(facet, corners, look, textures.z, uintBitsToFloat(last.z), side * p.shading);
+        }
+        if ((FEATURES & FEATURE_OCCLUSION_TEXTURES) != 0u && last.x != NO_TEXTURE) {
+            float strength = uintBitsToFloat(last.y);
+            precise float open = 1.0f + strength * (lookUp(look, last.x, false).x - 1.0f);
+            p.openness = open;
+        }
+    }
+    if ((FEATURES & (FEATURE_NORMALS | FEATURE_NORMAL_TEXTURES)) != 0u && p.shading != p.normal)
+        p.shading = facingNormal(p.shading, ray.direction);
+    p.emission = emissionAt(triangle, b, look.covered, look.coveredMore);
+    reduceMaterial(material, base, metallic, roughness, p);
 }
 
 // The same for a sphere: the point at the hit's t, projected to the surface. It has neither texture nor vertex colours.
-vec3 meetSphere(uvec4 triangle, Ray ray, Hit hit, INOUT(SurfacePoint) p) {
+void meetSphere(uvec4 triangle, Ray ray, Hit hit, INOUT(SurfacePoint) p) {
     uvec4 sphere = scene_at(frame.spheresAt + triangle.x);
     vec3 centre = xyzOf(sphere);
     precise vec3 away = ray.origin - centre + hit.t * ray.direction;
@@ -154,36 +315,26 @@ vec3 meetSphere(uvec4 triangle, Ray ray, Hit hit, INOUT(SurfacePoint) p) {
     p.front = dot(ray.direction, outwards) < 0.0f;
     p.normal = p.front ? outwards : -outwards;
     p.shading = p.normal;
-    return vec3(1.0f);
+    uint material = frame.materialsAt + triangle.w * MATERIAL_STRIDE;
+    uvec4 first = scene_at(material);
+    uvec4 second = scene_at(material + 1u);
+    p.emission = xyzOf(second);
+    reduceMaterial(material, xyzOf(first), uintBitsToFloat(first.w), uintBitsToFloat(second.w), p);
 }
 
-// What `ray` (unit direction) finds at `hit`. Requires hit.primitive != NO_HIT.
-SurfacePoint surfaceAt(Ray ray, Hit hit) {
+// What `ray` (unit direction) finds at `hit`, after light from its origin has `travelled` so far to the camera. Requires
+// hit.primitive != NO_HIT. The ray is as wide as the pixel that it comes from is seen there, straightened out: mirrors and
+// lenses on the way are taken as flat.
+SurfacePoint surfaceAt(Ray ray, Hit hit, float travelled) {
     Facet facet = facetOf(hit.primitive);
-    uvec4 triangle = facet.triangle;
-    uint material = frame.materialsAt + triangle.w * MATERIAL_STRIDE;
-    uvec4 diffuse = scene_at(material);
-    uvec4 mirror = scene_at(material + 1u);
-    uvec4 through = scene_at(material + 2u);
-    uvec4 absorption = scene_at(material + 3u);
-
+    precise float pixel = 2.0f * frame.halfHeight / float(frame.height);
+    precise float width = pixel * (travelled + hit.t);
     SurfacePoint p;
-    vec3 tint = vec3(1.0f);
-    if ((FEATURES & FEATURE_SPHERES) != 0u && triangle.y == NO_VERTEX) {
-        tint = meetSphere(triangle, ray, hit, p);
+    p.openness = 1.0f;
+    if ((FEATURES & FEATURE_SPHERES) != 0u && facet.triangle.y == NO_VERTEX) {
+        meetSphere(facet.triangle, ray, hit, p);
     } else {
-        tint = meetTriangle(facet, absorption.w, ray, hit, p);
+        meetTriangle(facet, ray, hit, frame.orthographic != 0u ? pixel : width, p);
     }
-    p.diffuse = xyzOf(diffuse) * tint;
-    p.gloss = uintBitsToFloat(diffuse.w);
-    p.mirror = (through.w & SURFACE_TINTS_MIRROR) != 0u ? xyzOf(mirror) * tint : xyzOf(mirror);
-    p.ior = uintBitsToFloat(mirror.w);
-    p.through = (through.w & SURFACE_TINTS_THROUGH) != 0u ? xyzOf(through) * tint : xyzOf(through);
-    p.transmissive = (FEATURES & FEATURE_TRANSMISSION) != 0u && largestOf(xyzOf(through)) > 0.0f;
-    p.absorption = xyzOf(absorption);
-    p.thin = (through.w & SURFACE_THIN) != 0u;
-    uvec4 emission = scene_at(material + 4u);
-    p.emission = xyzOf(emission);
-    p.medium = emission.w;
     return p;
 }

@@ -320,23 +320,54 @@ TEST(Gltf, TexturesAreStoredOnceWithTheirWrapModes) {
     EXPECT_EQ(scene.materials[0].baseColorTexture->wrapV, Wrap::mirror);
     EXPECT_EQ(scene.materials[1].baseColorTexture->wrapU, Wrap::repeat);
     EXPECT_EQ(scene.meshes[0].uvs[1], vec2(3, 4));
-    EXPECT_EQ(scene.meshes[1].uvs[0], vec2(2 * .1f + 10, 3 * .2f + 20));
+    EXPECT_EQ(scene.meshes[1].uvs[0], vec2(.1f, .2f));
+    EXPECT_EQ(scene.materials[1].baseColorTexture->u, vec3(2, 0, 10));
+    EXPECT_EQ(scene.materials[1].baseColorTexture->v, vec3(0, 3, 20));
 }
 
-TEST(Gltf, TexturesOfOtherFactorsAreReplacedByTheirMean) {
+TEST(Gltf, EachTextureKeepsItsTransformAndSetOfCoordinates) {
     GltfAsset asset;
     asset.json["images"] = {{{"uri", twoTexels}}};
     asset.json["textures"] = {{{"source", 0}}};
-    asset.json["materials"] = {{{"emissiveFactor", {1, 1, 1}},
-                                {"emissiveTexture", {{"index", 0}}},
-                                {"pbrMetallicRoughness", {{"metallicRoughnessTexture", {{"index", 0}}}}}}};
+    const auto info = [](int set) { return json{{"index", 0}, {"texCoord", set}}; };
+    json turned = info(7);
+    turned["extensions"]["KHR_texture_transform"] = {{"rotation", 1.5707963267948966}, {"texCoord", 5}};
+    json normal = info(2);
+    normal["scale"] = 0.5;
+    json occlusion = info(2);
+    occlusion["strength"] = 0.25;
+    asset.json["materials"] = {{{"emissiveFactor", {1, 2, 1}},
+                                {"emissiveTexture", info(5)},
+                                {"normalTexture", normal},
+                                {"occlusionTexture", occlusion},
+                                {"pbrMetallicRoughness", {{"metallicRoughnessTexture", turned}}}},
+                               {{"pbrMetallicRoughness", {{"baseColorTexture", info(0)}}}, {"normalTexture", info(1)},
+                                {"occlusionTexture", info(2)}}};
+    const int positions = asset.floats(std::vector<float>(9, 0.0f), "VEC3");
+    const int uvs2 = asset.floats({.1f, .2f, .3f, .4f, .5f, .6f}, "VEC2");
+    const int uvs5 = asset.floats({1, 2, 3, 4, 5, 6}, "VEC2");
+    const int tangents = asset.floats({3, 0, 0, 1, 0, 2, 0, -1, 0, 0, 0, 1}, "VEC4");
+    asset.mesh({{"attributes",
+                 {{"POSITION", positions}, {"TEXCOORD_2", uvs2}, {"TEXCOORD_5", uvs5}, {"TANGENT", tangents}}},
+                {"material", 0}});
     const Scene scene = asset.load();
-    EXPECT_NEAR(scene.materials[0].emission.x, 0.5, 1e-6);
-    EXPECT_NEAR(scene.materials[0].emission.y, 0.2158605 / 2, 1e-6);  // sRGB 128 in linear light
-    EXPECT_NEAR(scene.materials[0].roughness, 128 / 255.0 / 2, 1e-6);
-    EXPECT_EQ(scene.materials[0].metallic, 0.0f);
-    EXPECT_TRUE(scene.images.empty());
-    EXPECT_TRUE(hasRemark(scene, "mean"));
+    const Material& m = scene.materials[0];
+    ASSERT_TRUE(m.roughnessTexture && m.normalTexture && m.emissionTexture && m.occlusionTexture);
+    EXPECT_EQ(scene.images.size(), 1u);
+    EXPECT_EQ(m.roughnessTexture->set, 0u) << "the first to be asked for";
+    EXPECT_EQ(m.emissionTexture->set, 0u);
+    EXPECT_EQ(m.normalTexture->set, 1u);
+    EXPECT_EQ(m.occlusionTexture->set, 1u);
+    EXPECT_EQ(scene.meshes[0].uvs[1], vec2(3, 4));
+    EXPECT_EQ(scene.meshes[0].moreUvs[1], vec2(.3f, .4f));
+    EXPECT_NEAR(glm::length(m.roughnessTexture->u - vec3(0, 1, 0)), 0.0, 1e-6);
+    EXPECT_NEAR(glm::length(m.roughnessTexture->v - vec3(-1, 0, 0)), 0.0, 1e-6);
+    EXPECT_EQ(m.emissionTexture->u, vec3(1, 0, 0));
+    EXPECT_EQ(m.normalScale, 0.5f);
+    EXPECT_EQ(m.occlusionStrength, 0.25f);
+    EXPECT_EQ(scene.meshes[0].tangents, (std::vector<vec4>{{1, 0, 0, 1}, {0, 1, 0, -1}, {0, 0, 0, 0}}));
+    EXPECT_TRUE(scene.materials[1].normalTexture && !scene.materials[1].occlusionTexture);
+    EXPECT_TRUE(hasRemark(scene, "two sets"));
 }
 
 TEST(Gltf, AnImageThatCannotBeUsedIsOnlyARemark) {

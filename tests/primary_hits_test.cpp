@@ -92,11 +92,8 @@ Allowed allowedOf(const reference::World& world, const Ray& ray, uint32_t id, co
 }
 
 dvec3 albedoOf(const reference::SurfacePoint& p) {
-    const Surface& s = *p.surface;
-    const dvec3 diffuse = dvec3(s.diffuse) * p.tint;
-    const dvec3 through = s.tintsThrough ? dvec3(s.transmission) * p.tint : dvec3(s.transmission);
-    const dvec3 mirror = s.tintsMirror ? dvec3(s.mirror) * p.tint : dvec3(s.mirror);
-    return largest(s.transmission) > 0.0 ? diffuse + through : mirror + (1.0 - mirror) * diffuse;
+    const reference::LocalSurface& s = p.surface;
+    return s.transmits ? s.diffuse + s.transmission : s.mirror + (1.0 - s.mirror) * s.diffuse;
 }
 
 dvec2 uvOf(const Geometry& g, const reference::Hit& hit) {
@@ -113,6 +110,7 @@ public:
     void expectAgreement(const PrimaryHits& got, const FrameOptions& options) {
         FrameOptions centre = options;
         centre.samples = 1;
+        pixelSize = 2.0 * std::tan(0.5 * scene.cameras.at(options.camera).yfov) / options.height;
         const std::vector<Ray> rays = cameraRays(scene, centre);
         ASSERT_EQ(got.pixels.size(), rays.size());
         for (size_t i = 0; i < rays.size() && !testing::Test::HasFailure(); ++i) {
@@ -144,7 +142,7 @@ private:
         }
         ++met;
         EXPECT_EQ(got.material, flat.materials[id]) << where;
-        const reference::SurfacePoint p = reference::surfaceAt(world, widen(ray), want);
+        const reference::SurfacePoint p = reference::surfaceAt(world, widen(ray), want, pixelSize * want.t);
         const Allowed allowed = allowedOf(world, ray, id, p);
         tight += allowed.slide < 1e-4 * want.t;
         EXPECT_NEAR(got.depth, want.t, allowed.slide) << where;
@@ -161,6 +159,7 @@ private:
     const Scene& scene;
     const Geometry flat;
     const reference::World world;
+    double pixelSize = 0.0;  ///< at distance 1
     size_t met = 0, ties = 0, tight = 0;
 };
 

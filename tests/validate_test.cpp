@@ -70,6 +70,19 @@ TEST(FindFault, EachBrokenPromiseIsSeen) {
         {"material 0: alpha", [](Scene& s) { s.materials[0].alpha = 1.5f; }},
         {"material 0: emission", [=](Scene& s) { s.materials[0].emission.x = inf; }},
         {"material 0: ior", [](Scene& s) { s.materials[0].ior = 0; }},
+        {"mesh 0", [](Scene& s) { s.meshes[0].moreUvs.resize(2); }},
+        {"mesh 0: uv 1 of the second", [=](Scene& s) {
+             s.meshes[0].moreUvs.assign(3, vec2(0.0f));
+             s.meshes[0].moreUvs[1].x = inf;
+         }},
+        {"mesh 0: tangent 2", [](Scene& s) {
+             s.meshes[0].tangents.assign(3, vec4(1, 0, 0, 1));
+             s.meshes[0].tangents[2].w = 0.5f;
+         }},
+        {"material 0: its texture names set", [](Scene& s) { s.materials[0].baseColorTexture->set = 2; }},
+        {"material 0: its texture's transform", [=](Scene& s) { s.materials[0].baseColorTexture->u.x = inf; }},
+        {"material 0: normalScale", [=](Scene& s) { s.materials[0].normalScale = inf; }},
+        {"material 0: occlusionStrength", [](Scene& s) { s.materials[0].occlusionStrength = 2.0f; }},
         {"material 0: its texture", [](Scene& s) { s.materials[0].baseColorTexture->image = 1; }},
         {"image 0", [](Scene& s) { s.images[0].rgba.pop_back(); }},
         {"image 0: is empty", [](Scene& s) { s.images[0] = {}; }},

@@ -144,11 +144,18 @@ public:
     }
     void add(const Material& m) {
         for (const vec3& v : {m.baseColor, m.emission, m.attenuationColor}) add(v);
-        add(m.alpha, m.metallic, m.roughness, m.transmission, m.ior, m.thin, m.attenuationDistance,
-            m.baseColorTexture.has_value());
-        if (!m.baseColorTexture) return;
-        add(m.baseColorTexture->image, static_cast<uint32_t>(m.baseColorTexture->wrapU),
-            static_cast<uint32_t>(m.baseColorTexture->wrapV));
+        add(m.alpha, m.metallic, m.roughness, m.transmission, m.ior, m.thin, m.attenuationDistance, m.normalScale,
+            m.occlusionStrength);
+        for (const auto* texture :
+             {&m.baseColorTexture, &m.roughnessTexture, &m.normalTexture, &m.emissionTexture, &m.occlusionTexture})
+            add(*texture);
+    }
+    void add(const std::optional<Texture>& t) {
+        add(t.has_value());
+        if (!t) return;
+        add(t->image, static_cast<uint32_t>(t->wrapU), static_cast<uint32_t>(t->wrapV), t->set);
+        add(t->u);
+        add(t->v);
     }
     void add(const Light& l) {
         for (const vec3& v : {l.position, l.direction, l.intensity}) add(v);
@@ -177,7 +184,9 @@ std::string ChartScene::hash() const {
         looks.addAll(image.rgba);
     }
     looks.addAll(geometry_.normals);
+    looks.addAll(geometry_.tangents);
     looks.addAll(geometry_.uvs);
+    looks.addAll(geometry_.moreUvs);
     looks.addAll(geometry_.colors);
     looks.addAll(geometry_.triangles);
     looks.addAll(geometry_.materials);

@@ -3,12 +3,11 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "rays/lights.hpp"
+#include "rays/textures.hpp"
 #include "scene/surface.hpp"
 
 #include <algorithm>
 #include <bit>
-#include <map>
-#include <tuple>
 
 namespace raig {
 
@@ -27,6 +26,7 @@ public:
 
     uint32_t here() const { return static_cast<uint32_t>(data_.elements.size()); }
     void append(const uvec4& element) { data_.elements.push_back(element); }
+    void append(const std::vector<uvec4>& elements) { std::ranges::copy(elements, room(elements.size()).begin()); }
     /// Room for `count` elements, zero.
     std::span<uvec4> room(size_t count) {
         const size_t first = data_.elements.size();
@@ -40,70 +40,25 @@ private:
     FrameData& data_;
 };
 
-float decodeSrgb(uint32_t byte) {
-    const double c = byte / 255.0;
-    return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-}
-
-/// Numbers each distinct texture of the materials; -1 (NO_TEXTURE) for materials without.
-struct TextureList {
-    std::vector<Texture> textures;
-    std::vector<uint32_t> ofMaterial;
-};
-
-TextureList listTextures(const Scene& scene, const Geometry& geometry) {
-    TextureList list;
-    std::map<std::tuple<uint32_t, Wrap, Wrap>, uint32_t> known;
-    for (const Material& material : scene.materials) {
-        list.ofMaterial.push_back(NO_TEXTURE);
-        if (!material.baseColorTexture || geometry.uvs.empty()) continue;
-        const Texture& texture = *material.baseColorTexture;
-        const auto [entry, isNew] = known.try_emplace({texture.image, texture.wrapU, texture.wrapV},
-                                                      static_cast<uint32_t>(list.textures.size()));
-        if (isNew) list.textures.push_back(texture);
-        list.ofMaterial.back() = entry->second;
-    }
-    return list;
-}
-
-void packTextures(const Scene& scene, const TextureList& list, Packer& packer, FrameParams& params) {
-    if (list.textures.empty()) return;
-    params.decodeAt = packer.here();
-    for (uint32_t i = 0; i < 256; i += 4)
-        packer.append(
-            {bitsOf(decodeSrgb(i)), bitsOf(decodeSrgb(i + 1)), bitsOf(decodeSrgb(i + 2)), bitsOf(decodeSrgb(i + 3))});
-
-    params.texturesAt = packer.here();
-    std::map<uint32_t, uint32_t> firstOfImage;
-    auto next = static_cast<uint32_t>(list.textures.size());
-    for (const Texture& texture : list.textures) {
-        const Texels& image = scene.images.at(texture.image);
-        const auto [entry, isNew] = firstOfImage.try_emplace(texture.image, next);
-        if (isNew) next += static_cast<uint32_t>((size_t{image.width} * image.height + 3) / 4);
-        const uint32_t wraps = static_cast<uint32_t>(texture.wrapU) | static_cast<uint32_t>(texture.wrapV) << 2;
-        packer.append({entry->second, image.width, image.height, wraps});
-    }
-    const std::span<uvec4> texels = packer.room(next - list.textures.size());
-    for (const auto& [image, first] : firstOfImage) {
-        const std::vector<uint8_t>& rgba = scene.images[image].rgba;
-        std::ranges::copy(rgba, reinterpret_cast<uint8_t*>(&texels[first - list.textures.size()]));
-    }
-}
-
 void packMaterials(const Scene& scene, const TextureList& textures, Packer& packer, FrameData& data) {
     data.params.materialsAt = packer.here();
     for (size_t i = 0; i < scene.materials.size(); ++i) {
-        const Surface s = surfaceOf(scene.materials[i]);
-        const uint32_t flags = (s.thin ? SURFACE_THIN : 0) | (s.tintsMirror ? SURFACE_TINTS_MIRROR : 0) |
-                               (s.tintsThrough ? SURFACE_TINTS_THROUGH : 0);
-        packer.append(packed(s.diffuse, s.gloss));
-        packer.append(packed(s.mirror, s.ior));
-        packer.append(packed(s.transmission, flags));
-        packer.append(packed(s.absorption, textures.ofMaterial[i]));
-        packer.append(packed(s.emission, uint32_t{data.media.ofMaterial[i]}));
+        const Material& m = scene.materials[i];
+        const Surface s = surfaceOf(m);
+        const TextureList::Numbers& t = textures.ofMaterial[i];
         const bool transmits = glm::any(glm::greaterThan(s.transmission, vec3(0.0f)));
+        const bool isVeil = transmits && !s.tintsThrough;
+        const uint32_t flags =
+            (s.thin ? SURFACE_THIN : 0) | (transmits ? SURFACE_TRANSMITS : 0) | (isVeil ? SURFACE_IS_VEIL : 0);
+        packer.append(packed(m.baseColor, m.metallic));
+        packer.append(packed(m.emission, m.roughness));
+        packer.append(packed(s.absorption, s.ior));
+        packer.append(packed(vec3(m.transmission, m.alpha, normalReflectance(m.ior)), flags));
+        packer.append({t.color, t.roughness, t.normal, t.emission});
+        packer.append({t.occlusion, bitsOf(m.occlusionStrength), bitsOf(m.normalScale), uint32_t{data.media.ofMaterial[i]}});
         if (transmits) data.features |= FEATURE_TRANSMISSION;
-        if (!transmits && s.gloss > 0.0f) data.features |= FEATURE_MIRRORS;
+        // A texture can only make a surface smoother.
+        if (!transmits && (s.gloss > 0.0f || t.roughness != NO_TEXTURE)) data.features |= FEATURE_MIRRORS;
     }
 }
 
@@ -136,9 +91,11 @@ void packLights(const Scene& scene, const Geometry& geometry, Packer& packer, Fr
 
 void packGeometry(const Geometry& geometry, Packer& packer, FrameData& data) {
     const bool normals = !geometry.normals.empty(), colors = !geometry.colors.empty();
-    const bool uvs = (data.features & FEATURE_UVS) != 0;
+    const bool uvs = (data.features & FEATURE_UVS) != 0, moreUvs = (data.features & FEATURE_MORE_UVS) != 0;
+    const bool tangents = (data.features & FEATURE_NORMAL_TEXTURES) != 0 && !geometry.tangents.empty();
     if (!geometry.spheres.empty()) data.features |= FEATURE_SPHERES;
-    data.features |= (normals ? FEATURE_NORMALS : 0) | (colors ? FEATURE_COLORS : 0);
+    data.features |= (normals ? FEATURE_NORMALS : 0) | (colors ? FEATURE_COLORS : 0) |
+                     (tangents ? FEATURE_TANGENTS : 0);
 
     data.params.trianglesAt = packer.here();
     const std::span<uvec4> triangles = packer.room(geometry.triangles.size());
@@ -150,7 +107,7 @@ void packGeometry(const Geometry& geometry, Packer& packer, FrameData& data) {
     data.params.spheresAt = packer.here();
     for (const Sphere& sphere : geometry.spheres) packer.append(packed(sphere.centre, sphere.radius));
 
-    const uint32_t stride = 1 + (normals || uvs ? 1 : 0) + (colors ? 1 : 0);
+    const uint32_t stride = 1 + (normals || uvs ? 1 : 0) + (tangents ? 1 : 0) + (moreUvs ? 1 : 0) + (colors ? 1 : 0);
     data.params.vertexStride = stride;
     data.params.verticesAt = packer.here();
     const std::span<uvec4> vertices = packer.room(geometry.positions.size() * stride);
@@ -160,6 +117,8 @@ void packGeometry(const Geometry& geometry, Packer& packer, FrameData& data) {
             uvec4* vertex = &vertices[i * stride];
             vertex[0] = packed(geometry.positions[i], uv.x);
             if (normals || uvs) vertex[1] = packed(normals ? geometry.normals[i] : vec3(0.0f), uv.y);
+            if (tangents) vertex[2] = packed(vec3(geometry.tangents[i]), geometry.tangents[i].w);
+            if (moreUvs) vertex[tangents ? 3 : 2] = {std::bit_cast<uvec2>(geometry.moreUvs[i]), 0u, 0u};
             if (colors) vertex[stride - 1] = packed(geometry.colors[i], 0u);
         }
     });
@@ -240,13 +199,18 @@ FrameData packFrame(const Scene& scene, const Geometry& geometry, bool keepsUvs)
     FrameData data;
     Packer packer(data);
     const TextureList textures = listTextures(scene, geometry);
-    if (!textures.textures.empty()) data.features |= FEATURE_TEXTURES;
-    if (!geometry.uvs.empty() && (keepsUvs || !textures.textures.empty())) data.features |= FEATURE_UVS;
+    data.features |= textureFeatures(textures);
+    if (!geometry.uvs.empty() && keepsUvs) data.features |= FEATURE_UVS;
     data.media = findMedia(scene, geometry);
     packMaterials(scene, textures, packer, data);
     packMedia(packer, data);
     packLights(scene, geometry, packer, data);
-    packTextures(scene, textures, packer, data.params);
+    if (!textures.entries.empty()) {
+        data.params.decodeAt = packer.here();
+        packer.append(decodingTable());
+        data.params.texturesAt = packer.here();
+        packer.append(packTextures(scene, textures));
+    }
     packGeometry(geometry, packer, data);
     packInstances(geometry, packer, data);
     return data;

@@ -4,18 +4,39 @@
 #include "scene/surface.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 namespace raig {
 
 namespace {
 
-double luminance(const vec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+double luminance(const dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+
+/// In linear light.
+dvec3 meanOf(const Texels& image) {
+    std::array<std::array<uint64_t, 256>, 3> counts{};
+    for (size_t i = 0; i < image.rgba.size(); ++i)
+        if (i % 4 < 3) ++counts[i % 4][image.rgba[i]];
+    dvec3 sum(0.0);
+    for (int byte = 0; byte < 256; ++byte) {
+        const double c = byte / 255.0, value = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+        for (int k = 0; k < 3; ++k) sum[k] += value * static_cast<double>(counts[k][byte]);
+    }
+    return sum / (static_cast<double>(image.rgba.size()) / 4.0);
+}
 
 }  // namespace
 
 std::vector<Emitter> listEmitters(const Scene& scene, const Geometry& geometry) {
     std::vector<double> brightness;
-    for (const Material& material : scene.materials) brightness.push_back(luminance(surfaceOf(material).emission));
+    for (const Material& material : scene.materials) {
+        dvec3 emission(material.emission);
+        const auto& texture = material.emissionTexture;
+        if (texture && !(texture->set == 0 ? geometry.uvs : geometry.moreUvs).empty() && emission != dvec3(0.0))
+            emission *= meanOf(scene.images[texture->image]);
+        brightness.push_back(luminance(emission));
+    }
     std::vector<Emitter> emitters;
     if (std::none_of(brightness.begin(), brightness.end(), [](double b) { return b > 0.0; })) return emitters;
 

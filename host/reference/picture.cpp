@@ -73,9 +73,11 @@ Radiance shadePixel(const World& world, const PictureOptions& options, const Nes
     const dvec3 stands = glm::abs(dvec3(camera.eye));
     const double eye = std::max({stands.x, stands.y, stands.z, 0.5 * options.aperture});
     const uint32_t pixel = py * options.width + px;
+    const double pixelSize = 2.0 * halfSize(camera, double(options.width) / options.height).y / options.height;
     Radiance mean;
     for (uint32_t sample = 0; sample < options.samples; ++sample) {
         SampleId id{.pixel = pixel, .sample = sample, .media = media};
+        (camera.orthographic ? id.pixelWidth : id.pixelSpread) = pixelSize;
         Ray ray = cameraRay(camera, options, px, py, sample);
         if (variant) {
             id.rounding = Rounding(pixel, sample, *variant);

@@ -32,10 +32,10 @@ dvec3 absorptionIn(const World& world, const Nest& nest) {
 }
 
 Passing pass(const World& world, const SurfacePoint& p, const Nest& nest) {
-    const Surface& s = *p.surface;
+    const LocalSurface& s = p.surface;
     Passing passing{.here = nest, .beyond = nest};
     passing.absorption = absorptionIn(world, nest);
-    if (largest(s.transmission) <= 0.0) return passing;
+    if (!s.transmits) return passing;
     passing.n2 = s.ior;
     if (s.thin) return passing;
     if (p.front) {
@@ -67,18 +67,15 @@ struct Scattering {
 };
 
 Scattering scatterOpaque(const SurfacePoint& p, double cosI) {
-    const Surface& s = *p.surface;
+    const LocalSurface& s = p.surface;
     Scattering result;
-    if (s.gloss > 0.0f) {
-        const dvec3 mirror = s.tintsMirror ? dvec3(s.mirror) * p.tint : dvec3(s.mirror);
-        result.reflection = mirror + (dvec3(s.gloss) - mirror) * std::pow(1.0 - cosI, 5.0);
-    }
-    result.diffuse = (1.0 - result.reflection) * (dvec3(s.diffuse) * p.tint);
+    if (s.gloss > 0.0) result.reflection = s.mirror + (s.gloss - s.mirror) * std::pow(1.0 - cosI, 5.0);
+    result.diffuse = (1.0 - result.reflection) * s.diffuse;
     return result;
 }
 
 Scattering scatterTransmissive(const SurfacePoint& p, const dvec3& d, double cosI, double n1, double n2) {
-    const Surface& s = *p.surface;
+    const LocalSurface& s = p.surface;
     double reflectance = fresnel(cosI, n1, n2);
     Scattering result;
     if (s.thin) {
@@ -93,15 +90,15 @@ Scattering scatterTransmissive(const SurfacePoint& p, const dvec3& d, double cos
             reflectance = 1.0;
     }
     result.reflection = dvec3(reflectance);
-    result.transmission = (1.0 - reflectance) * (s.tintsThrough ? dvec3(s.transmission) * p.tint : dvec3(s.transmission));
-    result.diffuse = (1.0 - reflectance) * (dvec3(s.diffuse) * p.tint);
+    result.transmission = (1.0 - reflectance) * s.transmission;
+    result.diffuse = (1.0 - reflectance) * s.diffuse;
     return result;
 }
 
 Scattering scatter(const SurfacePoint& p, const dvec3& d, const Passing& passing) {
     const double cosI = std::min(1.0, -glm::dot(d, p.shadingNormal));
-    Scattering result = largest(p.surface->transmission) > 0.0 ? scatterTransmissive(p, d, cosI, passing.n1, passing.n2)
-                                                               : scatterOpaque(p, cosI);
+    Scattering result =
+        p.surface.transmits ? scatterTransmissive(p, d, cosI, passing.n1, passing.n2) : scatterOpaque(p, cosI);
     result.reflected = reflect(d, p.shadingNormal);
     if (glm::dot(result.reflected, p.normal) <= 0.0) result.reflected = reflect(d, p.normal);
     result.reflected = glm::normalize(result.reflected);
@@ -122,22 +119,25 @@ public:
     Recursion(const World& world, const Bounds& bounds, const SampleId& id) : world_(world), bounds_(bounds), id_(id) {}
 
     /// The radiance along `ray`, times `weight`.
-    dvec3 trace(const Ray& ray, dvec3 weight, uint32_t depth, uint32_t key, uint32_t leaving, const Nest& nest) {
+    /// `travelled` is how far light has come from its origin to the camera.
+    dvec3 trace(const Ray& ray, dvec3 weight, uint32_t depth, uint32_t key, uint32_t leaving, const Nest& nest,
+                double travelled) {
         const Hit hit = world_.tree.closest(ray, leaving);
         if (hit.primitive == noTriangle) return weight * skyRadiance(world_.scene.sky, ray.direction);
-        const SurfacePoint p = surfaceAt(world_, ray, hit);
+        const double distance = travelled + hit.t;
+        const SurfacePoint p = surfaceAt(world_, ray, hit, id_.pixelWidth + id_.pixelSpread * distance);
         const Passing passing = pass(world_, p, nest);
         weight *= glm::exp(-passing.absorption * hit.t);
         if (passing.isHidden)
-            return follow(p, ray.direction, weight, -p.normal, depth, 2 * key + 2, hit.primitive, passing.beyond);
+            return follow(p, ray.direction, weight, -p.normal, depth, 2 * key + 2, hit.primitive, passing.beyond, distance);
 
         const Scattering scattering = scatter(p, ray.direction, passing);
-        dvec3 radiance = weight * dvec3(p.surface->emission);
+        dvec3 radiance = weight * p.surface.emission;
         if (largest(scattering.diffuse) > 0.0) radiance += weight * scattering.diffuse * directLight(p, hit.primitive, key);
         radiance += follow(p, scattering.reflected, weight * scattering.reflection, p.normal, depth, 2 * key + 1,
-                           hit.primitive, passing.here);
+                           hit.primitive, passing.here, distance);
         radiance += follow(p, scattering.transmitted, weight * scattering.transmission, -p.normal, depth, 2 * key + 2,
-                           hit.primitive, passing.beyond);
+                           hit.primitive, passing.beyond, distance);
         return radiance;
     }
 
@@ -146,7 +146,7 @@ public:
 
 private:
     dvec3 follow(const SurfacePoint& p, const dvec3& direction, const dvec3& weight, const dvec3& side, uint32_t depth,
-                 uint32_t key, uint32_t leaving, const Nest& nest) {
+                 uint32_t key, uint32_t leaving, const Nest& nest, double travelled) {
         if (largest(weight) <= 0.0) return dvec3(0.0);
         if (depth + 1 > bounds_.maxDepth || largest(weight) < bounds_.minContribution) {
             discarded_ += largest(weight);
@@ -156,7 +156,7 @@ private:
         child.origin = leave(p, side, id_, 4 * key);
         child.direction = id_.rounding.direction(direction, 4 * key + 1);
         depth_ = std::max(depth_, depth + 1);
-        const dvec3 weighted = trace(child, weight, depth + 1, key, leaving, nest);
+        const dvec3 weighted = trace(child, weight, depth + 1, key, leaving, nest, travelled);
         for (int channel = 0; channel < 3; ++channel)
             if (weight[channel] > 0.0) brightest_ = std::max(brightest_, weighted[channel] / weight[channel]);
         return weighted;
@@ -165,7 +165,7 @@ private:
     /// The light that a white diffuse surface would send back.
     dvec3 directLight(const SurfacePoint& p, uint32_t leaving, uint32_t key) {
         constexpr double pi = 3.14159265358979323846;
-        dvec3 light = world_.scene.ambient;
+        dvec3 light = p.surface.openness * dvec3(world_.scene.ambient);
         for (const Light& l : world_.scene.lights)
             light += unshadowed(p, arriving(l, p.position, p.shadingNormal), leaving, key) / pi;
         if (!world_.emitters.triangles.empty()) {
@@ -209,7 +209,7 @@ private:
 
 Radiance traceRay(const World& world, const Ray& ray, const Bounds& bounds, const SampleId& id) {
     Recursion recursion(world, bounds, id);
-    return recursion.found(recursion.trace(ray, dvec3(1.0), 0, 0, noTriangle, id.media));
+    return recursion.found(recursion.trace(ray, dvec3(1.0), 0, 0, noTriangle, id.media, 0.0));
 }
 
 }  // namespace raig::reference

@@ -18,7 +18,9 @@ struct SampleId {
     uint32_t pixel = 0;  ///< y * width + x
     uint32_t sample = 0;
     Rounding rounding{};
-    Nest media{};  ///< that the camera's ray starts in
+    Nest media{};              ///< that the camera's ray starts in
+    double pixelWidth = 0.0;   ///< how wide a ray of this pixel is where it starts, and ...
+    double pixelSpread = 0.0;  ///< ... how much wider it gets over a unit of length; mirrors and lenses count as flat
 };
 
 struct Radiance {

@@ -29,12 +29,22 @@ double largest(const dvec3& v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-Emitters findEmitters(const Geometry& geometry, const std::vector<Surface>& surfaces) {
+/// False where the texture coordinates are missing that the texture is looked up by.
+bool has(const Geometry& geometry, const std::optional<Texture>& texture) {
+    return texture && !(texture->set == 0 ? geometry.uvs : geometry.moreUvs).empty();
+}
+
+Emitters findEmitters(const Scene& scene, const Geometry& geometry, const Pyramids& pyramids) {
     Emitters emitters;
+    std::vector<dvec3> radiance;
+    for (const Material& material : scene.materials) {
+        radiance.emplace_back(material.emission);
+        if (has(geometry, material.emissionTexture)) radiance.back() *= pyramids.mean(material.emissionTexture->image);
+    }
     std::vector<double> sums;
     double sum = 0.0;
     for (uint32_t id = 0; id < geometry.triangles.size(); ++id) {
-        const dvec3 emission = surfaces[geometry.materials[id]].emission;
+        const dvec3 emission = radiance[geometry.materials[id]];
         if (emission == dvec3(0.0)) continue;
         if (geometry.isSphere(id)) continue;  // seen to glow, but no light
         const uvec3 t = geometry.triangles[id];
@@ -51,16 +61,6 @@ Emitters findEmitters(const Geometry& geometry, const std::vector<Surface>& surf
     return emitters;
 }
 
-/// Texel `index` of `count`, carried back into the image.
-uint32_t wrapped(double index, uint32_t count, Wrap wrap) {
-    const double size = count;
-    if (wrap == Wrap::clamp) return static_cast<uint32_t>(std::clamp(index, 0.0, size - 1.0));
-    const double period = wrap == Wrap::mirror ? 2.0 * size : size;
-    double place = index - std::floor(index / period) * period;
-    if (place >= period) place = 0.0;  // index / period rounded
-    return static_cast<uint32_t>(place < size ? place : 2.0 * size - 1.0 - place);
-}
-
 dvec3 interpolatedNormal(const Geometry& geometry, const uvec3& t, const dvec3& weights, const dvec3& otherwise) {
     if (geometry.normals.empty()) return otherwise;
     for (int i = 0; i < 3; ++i)
@@ -71,35 +71,94 @@ dvec3 interpolatedNormal(const Geometry& geometry, const uvec3& t, const dvec3& 
 
 }  // namespace
 
-World::World(const Scene& s, const Geometry& g) : scene(s), geometry(g), tree(g) {
+World::World(const Scene& s, const Geometry& g) : scene(s), geometry(g), tree(g), pyramids(s) {
     for (const Material& material : scene.materials) {
         surfaces.push_back(surfaceOf(material));
         seeThrough.push_back(largest(surfaces.back().transmission) > 0.0);
     }
     media = closedMedia(geometry, surfaces);
-    emitters = findEmitters(geometry, surfaces);
-    for (int byte = 0; byte < 256; ++byte) {
-        const double encoded = byte / 255.0;
-        linear[byte] = encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-    }
+    emitters = findEmitters(scene, geometry, pyramids);
 }
 
-dvec3 textureColour(const World& world, const Texture& texture, const dvec2& uv) {
-    const Texels& image = world.scene.images[texture.image];
-    const dvec2 place = uv * dvec2(image.width, image.height) - 0.5;
-    const dvec2 corner = glm::floor(place);
-    const dvec2 fraction = place - corner;
-    dvec3 colour(0.0);
-    for (int i = 0; i < 4; ++i) {
-        const int right = i & 1, below = i >> 1;
-        const size_t x = wrapped(corner.x + right, image.width, texture.wrapU);
-        const size_t y = wrapped(corner.y + below, image.height, texture.wrapV);
-        const uint8_t* texel = &image.rgba[4 * (y * image.width + x)];
-        const double weight = (right ? fraction.x : 1.0 - fraction.x) * (below ? fraction.y : 1.0 - fraction.y);
-        colour += weight * dvec3(world.linear[texel[0]], world.linear[texel[1]], world.linear[texel[2]]);
+namespace {
+
+/// A triangle, where on it, and how wide the ray is across.
+struct Place {
+    const World& world;
+    uint32_t material;
+    Corners corners;
+    dvec3 weights{0.0};
+    double width = 0.0;
+    double cosine = 1.0;
+
+    std::array<dvec2, 3> uvs(const Texture& texture) const {
+        const std::vector<vec2>& all = texture.set == 0 ? world.geometry.uvs : world.geometry.moreUvs;
+        return {all[corners.index.x], all[corners.index.y], all[corners.index.z]};
     }
-    return colour;
+};
+
+/// The texture's value, or 1 where there is none.
+dvec4 lookUp(const Place& p, const std::optional<Texture>& texture, bool isSrgb) {
+    if (!has(p.world.geometry, texture)) return dvec4(1.0);
+    const auto [a, b, c] = p.uvs(*texture);
+    const dvec2 e = b - a, f = c - a;
+    const double area = glm::length(glm::cross(p.corners.b - p.corners.a, p.corners.c - p.corners.a));
+    const double covered = p.width / p.cosine * std::sqrt(std::abs(e.x * f.y - f.x * e.y) / area);
+    return p.world.pyramids.lookUp(*texture, isSrgb, p.weights.x * a + p.weights.y * b + p.weights.z * c, covered);
 }
+
+dvec3 emissionAt(const Place& p) {
+    const Material& m = p.world.scene.materials[p.material];
+    return dvec3(m.emission) * dvec3(lookUp(p, m.emissionTexture, true));
+}
+
+/// Applies the formulas of scene/surface.hpp to factors that vary over the surface.
+LocalSurface reduce(const World& world, uint32_t material, const dvec3& base, double metallic, double roughness) {
+    const Material& m = world.scene.materials[material];
+    const Surface& constant = world.surfaces[material];
+    LocalSurface s;
+    s.gloss = std::pow(std::max(0.0, 1.0 - 2.0 * roughness), 2.0);
+    s.diffuse = double{m.alpha} * base * ((1.0 - metallic) * (1.0 - m.transmission) + metallic * (1.0 - s.gloss));
+    s.mirror = s.gloss * glm::mix(dvec3(std::pow((m.ior - 1.0) / (m.ior + 1.0), 2.0)), base, metallic);
+    s.transmits = largest(constant.transmission) > 0.0;
+    s.transmission = constant.tintsThrough ? (1.0 - metallic) * m.transmission * base : dvec3(1.0 - double{m.alpha});
+    s.ior = constant.ior;
+    s.thin = constant.thin;
+    s.absorption = constant.absorption;
+    s.emission = m.emission;
+    return s;
+}
+
+/// Along the texture's u on the front of a triangle, and 1 or -1: whether y, seen from the front, is a quarter turn against
+/// the clock from it, or with it.
+std::pair<dvec3, double> tangentAt(const Place& p, const Texture& texture) {
+    const std::vector<vec4>& tangents = p.world.geometry.tangents;
+    const uvec3 t = p.corners.index;
+    if (!tangents.empty() && tangents[t.x].w != 0.0f && tangents[t.y].w != 0.0f && tangents[t.z].w != 0.0f)
+        return {dvec3(blend(tangents, t, p.weights)), tangents[t.x].w};
+    const auto [a, b, c] = p.uvs(texture);
+    const glm::dmat2 transform(texture.u.x, texture.v.x, texture.u.y, texture.v.y);
+    const dvec2 e = transform * (b - a), f = transform * (c - a);
+    const double turn = e.x * f.y - f.x * e.y;
+    if (turn == 0.0) return {dvec3(0.0), 1.0};
+    const dvec3 alongU = (f.y * (p.corners.b - p.corners.a) - e.y * (p.corners.c - p.corners.a)) / turn;
+    return {glm::normalize(alongU), turn > 0.0 ? -1.0 : 1.0};
+}
+
+/// `normal` is that of the front.
+dvec3 bentNormal(const Place& p, const dvec3& normal) {
+    const Material& m = p.world.scene.materials[p.material];
+    if (!has(p.world.geometry, m.normalTexture)) return normal;
+    const auto [tangent, hand] = tangentAt(p, *m.normalTexture);
+    const dvec3 across = tangent - glm::dot(normal, tangent) * normal;
+    if (!(glm::dot(across, across) > 1e-6)) return normal;
+    const dvec3 x = glm::normalize(across), y = hand * glm::cross(normal, x);
+    const dvec3 value = 2.0 * dvec3(lookUp(p, m.normalTexture, false)) - 1.0;
+    const dvec3 sum = double{m.normalScale} * (value.x * x + value.y * y) + value.z * normal;
+    return glm::dot(sum, sum) > 1e-6 ? glm::normalize(sum) : normal;
+}
+
+}  // namespace
 
 namespace {
 
@@ -108,20 +167,21 @@ SurfacePoint pointOnSphere(const World& world, const Ray& ray, const Hit& hit) {
     const Sphere& sphere = world.geometry.sphere(hit.primitive);
     const dvec3 centre(sphere.centre);
     SurfacePoint p{};
-    p.surface = &world.surfaces[world.geometry.materials[hit.primitive]];
-    p.medium = world.media[world.geometry.materials[hit.primitive]];
+    const uint32_t material = world.geometry.materials[hit.primitive];
+    const Material& m = world.scene.materials[material];
+    p.surface = reduce(world, material, m.baseColor, m.metallic, m.roughness);
+    p.medium = world.media[material];
     p.faceNormal = glm::normalize(ray.origin + hit.t * ray.direction - centre);
     p.position = centre + double{sphere.radius} * p.faceNormal;
     p.front = glm::dot(ray.direction, p.faceNormal) < 0.0;
     p.normal = p.shadingNormal = p.front ? p.faceNormal : -p.faceNormal;
     p.magnitude = std::max(largest(centre), largest(centre - ray.origin)) + sphere.radius;
-    p.tint = dvec3(1.0);
     return p;
 }
 
 }  // namespace
 
-SurfacePoint surfaceAt(const World& world, const Ray& ray, const Hit& hit) {
+SurfacePoint surfaceAt(const World& world, const Ray& ray, const Hit& hit, double width) {
     const Geometry& geometry = world.geometry;
     if (geometry.isSphere(hit.primitive)) return pointOnSphere(world, ray, hit);
     const Corners corners = cornersOf(geometry, hit.primitive);
@@ -129,23 +189,29 @@ SurfacePoint surfaceAt(const World& world, const Ray& ray, const Hit& hit) {
     const uint32_t material = geometry.materials[hit.primitive];
 
     SurfacePoint p{};
-    p.surface = &world.surfaces[material];
     p.medium = world.media[material];
     p.position = weights.x * corners.a + weights.y * corners.b + weights.z * corners.c;
     p.faceNormal = glm::normalize(glm::cross(corners.b - corners.a, corners.c - corners.a));
     p.front = glm::dot(ray.direction, p.faceNormal) < 0.0;
     p.normal = p.front ? p.faceNormal : -p.faceNormal;
+    const Place place{world, material, corners, weights, width, std::abs(glm::dot(ray.direction, p.faceNormal))};
+    const double side = p.front ? 1.0 : -1.0;
     p.shadingNormal = interpolatedNormal(geometry, corners.index, weights, p.normal);
     if (glm::dot(p.shadingNormal, p.normal) < 0.0) p.shadingNormal = -p.shadingNormal;
-    if (glm::dot(p.shadingNormal, ray.direction) >= 0.0) p.shadingNormal = p.normal;
+    p.shadingNormal = side * bentNormal(place, side * p.shadingNormal);
+    const double lacking = 1.0 / 1024.0 + glm::dot(p.shadingNormal, ray.direction);
+    if (lacking > 0.0 && p.shadingNormal != p.normal)
+        p.shadingNormal = glm::normalize(p.shadingNormal - lacking * ray.direction);
     for (const dvec3& corner : {corners.a, corners.b, corners.c})
         p.magnitude = std::max({p.magnitude, largest(corner), largest(corner - ray.origin)});
 
-    p.tint = dvec3(1.0);
-    const auto& texture = world.scene.materials[material].baseColorTexture;
-    if (texture && !geometry.uvs.empty())
-        p.tint *= textureColour(world, *texture, blend(geometry.uvs, corners.index, weights));
-    if (!geometry.colors.empty()) p.tint *= blend(geometry.colors, corners.index, weights);
+    const Material& m = world.scene.materials[material];
+    dvec3 base = dvec3(m.baseColor) * dvec3(lookUp(place, m.baseColorTexture, true));
+    if (!geometry.colors.empty()) base *= blend(geometry.colors, corners.index, weights);
+    const dvec4 rough = lookUp(place, m.roughnessTexture, false);
+    p.surface = reduce(world, material, base, m.metallic * rough.z, m.roughness * rough.y);
+    p.surface.emission = emissionAt(place);
+    p.surface.openness = 1.0 + m.occlusionStrength * (lookUp(place, m.occlusionTexture, false).x - 1.0);
     return p;
 }
 
@@ -200,7 +266,8 @@ Arriving arrivingFromEmitters(const World& world, double choice, const dvec2& pl
     const dvec3 normal = glm::normalize(glm::cross(corners.b - corners.a, corners.c - corners.a));
     const double cosines =
         std::max(0.0, glm::dot(shadingNormal, result.direction)) * std::abs(glm::dot(normal, result.direction));
-    const dvec3 emission = world.surfaces[world.geometry.materials[result.triangle]].emission;
+    const dvec3 weights((1.0 - root), root * (1.0 - place.y), root * place.y);
+    const dvec3 emission = emissionAt({world, world.geometry.materials[result.triangle], corners, weights});
     result.irradiance = emission * (cosines / squared / (chance / emitters.areas[i]));
     return result;
 }

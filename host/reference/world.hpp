@@ -2,10 +2,9 @@
 #pragma once
 
 #include "reference/media.hpp"
+#include "reference/texture.hpp"
 #include "reference/tree.hpp"
 #include "scene/surface.hpp"
-
-#include <array>
 
 namespace raig::reference {
 
@@ -25,33 +24,49 @@ struct World {
     std::vector<uint8_t> seeThrough;  ///< one a material: 1 where it transmits, and so casts no shadow
     std::vector<uint32_t> media;      ///< one a material: closedMedia()
     Emitters emitters;
-    std::array<double, 256> linear{};  ///< the radiance an sRGB byte stands for
+    Pyramids pyramids;
 
     /// Requires `geometry` to be flatten(scene). Cost: that of Tree.
     World(const Scene& scene, const Geometry& geometry);
 };
 
+/// A material as it is at a point, textures and vertex colours applied, in the terms of scene/surface.hpp.
+struct LocalSurface {
+    dvec3 diffuse{0.0};
+    dvec3 mirror{0.0};
+    double gloss = 0.0;
+    dvec3 transmission{0.0};
+    bool transmits = false;  ///< without textures: the surface is of the kind that lets light through
+    double ior = 1.5;
+    bool thin = true;
+    dvec3 absorption{0.0};
+    dvec3 emission{0.0};
+    double openness = 1.0;  ///< the share of ambient light that arrives
+};
+
 /// A point on a surface, as shading needs it.
 struct SurfacePoint {
-    const Surface* surface;
-    uint32_t medium;      ///< that it holds, or noMedium
+    LocalSurface surface;
+    uint32_t medium;  ///< that it holds, or noMedium
     dvec3 position;
     dvec3 faceNormal;     ///< unit, by the corners' order; of a sphere, outwards
     dvec3 normal;         ///< unit, the face's, turned against the ray
-    dvec3 shadingNormal;  ///< unit, interpolated, turned against the ray
-    dvec3 tint;           ///< texture times vertex colour
+    dvec3 shadingNormal;  ///< unit, interpolated, bent by the normal texture, turned against the ray
     bool front;
     double magnitude;  ///< the largest coordinate that went into the position: corners, and corners seen from the origin
 };
 
-/// The point that `ray` (unit direction) hits. The shading normal is the interpolated one where every corner has one and
-/// their blend is at least 1e-3 long; the face's normal otherwise, and where the interpolated one is turned away from the
-/// ray.
-SurfacePoint surfaceAt(const World& world, const Ray& ray, const Hit& hit);
-
-/// The colour of a texture at `uv`: bilinear between the decoded texels, (0, 0) being the top left corner of the top left
-/// texel; alpha is ignored.
-dvec3 textureColour(const World& world, const Texture& texture, const dvec2& uv);
+/// The point that `ray` (unit direction) hits; `width` is how wide the ray is there.
+///
+/// The shading normal is the interpolated one where every corner has one and their blend is at least 1e-3 long, else the
+/// face's. The normal texture's x, y and z are along the tangent, across it, and along that normal, all of the front: the
+/// tangent is where the texture's u grows, made perpendicular to the normal, from the vertices where all have one, else from
+/// the triangle's texture coordinates; across is -v. What then faces the ray at a cosine c < 1/1024 is bent towards where
+/// it comes from, unless it is the face's own: 1/1024 - c times the way there is added.
+///
+/// A texture's square (reference/texture.hpp) is as wide as the ray's ellipse on the triangle is long, `width` over the
+/// cosine, in texture coordinates by the triangle's areas in these and in the world.
+SurfacePoint surfaceAt(const World& world, const Ray& ray, const Hit& hit, double width);
 
 /// The sky's radiance in direction d (unit): blended by height d.y from horizon to zenith, and below from horizon to ground.
 dvec3 skyRadiance(const Sky& sky, const dvec3& d);

@@ -15,13 +15,15 @@ namespace {
 /// How many vertices and triangles the instances have, and which attributes.
 struct Extent {
     uint64_t vertices = 0, primitives = 0;
-    bool anyNormals = false, anyUvs = false, anyColors = false;
+    bool anyNormals = false, anyTangents = false, anyUvs = false, anyMoreUvs = false, anyColors = false;
 
     void add(const Mesh& mesh) {
         vertices += mesh.positions.size();
         primitives += mesh.primitiveCount();
         anyNormals |= !mesh.normals.empty();
+        anyTangents |= !mesh.tangents.empty();
         anyUvs |= !mesh.uvs.empty();
+        anyMoreUvs |= !mesh.moreUvs.empty();
         anyColors |= !mesh.colors.empty();
     }
 };
@@ -29,7 +31,9 @@ struct Extent {
 void makeRoom(const Extent& extent, Geometry& geometry) {
     geometry.positions.resize(extent.vertices);
     if (extent.anyNormals) geometry.normals.resize(extent.vertices, vec3(0.0f));
+    if (extent.anyTangents) geometry.tangents.resize(extent.vertices, vec4(0.0f));
     if (extent.anyUvs) geometry.uvs.resize(extent.vertices, vec2(0.0f));
+    if (extent.anyMoreUvs) geometry.moreUvs.resize(extent.vertices, vec2(0.0f));
     if (extent.anyColors) geometry.colors.resize(extent.vertices, vec3(1.0f));
     geometry.triangles.resize(extent.primitives);
     geometry.materials.resize(extent.primitives);
@@ -44,11 +48,15 @@ void checkVertices(uint64_t vertices, std::string_view how) {
 void transformVertices(const Mesh& mesh, const dmat4& toWorld, size_t first, Geometry& geometry) {
     const Placement placement = placementOf(toWorld);
     const NormalPlacement normalPlacement = normalPlacementOf(toWorld);
+    const float handedness = mirrors(toWorld) ? -1.0f : 1.0f;
     parallelFor(mesh.positions.size(), 16384, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
             geometry.positions[first + i] = placePoint(placement, mesh.positions[i]);
             if (!mesh.normals.empty()) geometry.normals[first + i] = placeNormal(normalPlacement, mesh.normals[i]);
+            if (!mesh.tangents.empty())
+                geometry.tangents[first + i] = vec4(placeTangent(placement, mesh.tangents[i]), handedness * mesh.tangents[i].w);
             if (!mesh.uvs.empty()) geometry.uvs[first + i] = mesh.uvs[i];
+            if (!mesh.moreUvs.empty()) geometry.moreUvs[first + i] = mesh.moreUvs[i];
             if (!mesh.colors.empty()) geometry.colors[first + i] = mesh.colors[i];
         }
     });
@@ -119,7 +127,9 @@ void measure(size_t triangles, const CornersOf& cornersOf, Geometry& geometry) {
 void storeMesh(const Mesh& mesh, const Geometry::Stored& stored, Geometry& geometry) {
     std::ranges::copy(mesh.positions, geometry.positions.begin() + stored.firstVertex);
     std::ranges::copy(mesh.normals, geometry.normals.begin() + (mesh.normals.empty() ? 0 : stored.firstVertex));
+    std::ranges::copy(mesh.tangents, geometry.tangents.begin() + (mesh.tangents.empty() ? 0 : stored.firstVertex));
     std::ranges::copy(mesh.uvs, geometry.uvs.begin() + (mesh.uvs.empty() ? 0 : stored.firstVertex));
+    std::ranges::copy(mesh.moreUvs, geometry.moreUvs.begin() + (mesh.moreUvs.empty() ? 0 : stored.firstVertex));
     std::ranges::copy(mesh.colors, geometry.colors.begin() + (mesh.colors.empty() ? 0 : stored.firstVertex));
     for (size_t i = 0; i < mesh.triangles.size(); ++i)
         geometry.triangles[stored.firstTriangle + i] = mesh.triangles[i] + stored.firstVertex;

@@ -17,11 +17,13 @@ namespace raig {
 /// Written out (flatten), the arrays hold every instance's vertices and primitives, in the world: the index of a primitive
 /// is its global id. As instances (gatherInstances), they hold every mesh once, in its own space, corners in the mesh's
 /// order, and `placed` says where it stands; only spheres are in the world in either form, each instance's.
-/// `normals`, `uvs` and `colors` are empty if no mesh has them.
+/// `normals`, `tangents`, `uvs`, `moreUvs` and `colors` are empty if no mesh has them.
 struct Geometry {
     std::vector<vec3> positions;
     std::vector<vec3> normals;            ///< unit, or zero where the mesh has none: use the face's own
+    std::vector<vec4> tangents;           ///< as a mesh's; zero where it has none
     std::vector<vec2> uvs;
+    std::vector<vec2> moreUvs;
     std::vector<vec3> colors;
     std::vector<uvec3> triangles;         ///< of a sphere (its index, noVertex, noVertex), in `spheres` or, kept, the mesh
     std::vector<Sphere> spheres;

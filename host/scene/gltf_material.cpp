@@ -1,21 +1,11 @@
 #include "scene/gltf_parts.hpp"
 #include "scene/import.hpp"
 
-#include <array>
+#include <algorithm>
 
 namespace raig::gltf {
 
 namespace {
-
-/// What an sRGB texel value means, in linear light: IEC 61966-2-1.
-std::array<double, 256> linearValues() {
-    std::array<double, 256> values{};
-    for (int i = 0; i < 256; ++i) {
-        const double s = i / 255.0;
-        values[i] = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-    }
-    return values;
-}
 
 Wrap wrapOf(const Document& document, int sampler, int mode, const char* axis) {
     switch (mode) {
@@ -44,10 +34,13 @@ private:
 
     void readExtensions(const tinygltf::ExtensionMap& extensions, const std::string& pointer, Material& material,
                         double& strength);
-    void readMeans(const tinygltf::Material& source, Material& material);
-    UvSource readBaseTexture(const tinygltf::TextureInfo& info, const std::string& pointer, Material& material);
+    UvSource readTextures(const tinygltf::Material& source, const std::string& pointer, Material& material);
+    template <class Info>
+    std::optional<Texture> readTexture(const Info& info, const std::string& pointer, UvSource& uvSource);
+    void readTransform(const tinygltf::Value& transform, const std::string& pointer, Texture& texture, int& set);
+    std::optional<uint32_t> findImage(int image);
     std::optional<Texels> loadImage(int image);
-    std::optional<dvec3> meanOf(int texture, bool isColor, const char* what);
+    std::optional<float> meanOf(int texture, const char* what);
     float fraction(double value, const std::string& pointer);
     float amount(double value, const std::string& pointer);
 
@@ -55,7 +48,7 @@ private:
     Scene& scene_;
     Remarks& remarks_;
     std::vector<int> places_;  ///< of each image, its index in the scene
-    std::map<std::pair<int, bool>, std::optional<dvec3>> means_;
+    std::map<int, std::optional<float>> means_;
 };
 
 /// Clamped to [0, 1] as the specification bounds it.
@@ -87,9 +80,7 @@ UvSource MaterialReader::add(size_t index) {
     readExtensions(source.extensions, pointer, material, strength);
     for (int k = 0; k < 3; ++k)
         material.emission[k] = amount(source.emissiveFactor[k] * strength, pointer + "/emissiveFactor");
-    readMeans(source, material);
-    const UvSource uvSource = readBaseTexture(pbr.baseColorTexture, pbrPointer + "/baseColorTexture", material);
-    if (source.normalTexture.index >= 0) remarks_.add("normal textures are not used");
+    UvSource uvSource = readTextures(source, pointer, material);
     scene_.materials.push_back(std::move(material));
     return uvSource;
 }
@@ -112,7 +103,7 @@ void MaterialReader::readExtensions(const tinygltf::ExtensionMap& extensions, co
             const int index = texture.Get("index").GetNumberAsInt();
             if (static_cast<size_t>(index) >= document_.model.textures.size())
                 throw errorAt(document_, at + "Texture", "names texture {} of {}", index, document_.model.textures.size());
-            if (const auto mean = meanOf(index, false, "transmission")) material.transmission *= static_cast<float>(mean->x);
+            if (const auto mean = meanOf(index, "transmission")) material.transmission *= *mean;
         }
     }
     if (const auto* found = findExtension(extensions, "KHR_materials_volume")) {
@@ -131,31 +122,20 @@ void MaterialReader::readExtensions(const tinygltf::ExtensionMap& extensions, co
     }
 }
 
-/// Factors that vary over a texture keep the right level by its mean, which the default factors of 1 would not.
-void MaterialReader::readMeans(const tinygltf::Material& source, Material& material) {
-    if (const auto mean = meanOf(source.pbrMetallicRoughness.metallicRoughnessTexture.index, false, "metallic-roughness")) {
-        material.roughness *= static_cast<float>(mean->y);
-        material.metallic *= static_cast<float>(mean->z);
-    }
-    if (material.emission != vec3(0.0f))
-        if (const auto mean = meanOf(source.emissiveTexture.index, true, "emissive")) material.emission *= vec3(*mean);
-}
-
-std::optional<dvec3> MaterialReader::meanOf(int texture, bool isColor, const char* what) {
+/// The mean of the red channel: where a factor cannot vary, it keeps the right level so.
+std::optional<float> MaterialReader::meanOf(int texture, const char* what) {
     if (texture < 0 || document_.model.textures[texture].source < 0) return std::nullopt;
     remarks_.add(fmt::format("{} textures are replaced by their mean", what));
     const int image = document_.model.textures[texture].source;
-    const auto known = means_.find({image, isColor});
+    const auto known = means_.find(image);
     if (known != means_.end()) return known->second;
-    std::optional<dvec3> mean;
+    std::optional<float> mean;
     if (const std::optional<Texels> texels = loadImage(image)) {
-        static const std::array<double, 256> linear = linearValues();
-        dvec3 sum(0.0);
-        for (size_t i = 0; i < texels->rgba.size(); i += 4)
-            for (int k = 0; k < 3; ++k) sum[k] += isColor ? linear[texels->rgba[i + k]] : texels->rgba[i + k] / 255.0;
-        mean = sum / static_cast<double>(texels->rgba.size() / 4);
+        double sum = 0.0;
+        for (size_t i = 0; i < texels->rgba.size(); i += 4) sum += texels->rgba[i] / 255.0;
+        mean = static_cast<float>(sum / static_cast<double>(texels->rgba.size() / 4));
     }
-    means_[{image, isColor}] = mean;
+    means_[image] = mean;
     return mean;
 }
 
@@ -173,46 +153,82 @@ std::optional<Texels> MaterialReader::loadImage(int image) {
     }
 }
 
-UvSource MaterialReader::readBaseTexture(const tinygltf::TextureInfo& info, const std::string& pointer, Material& material) {
+UvSource MaterialReader::readTextures(const tinygltf::Material& source, const std::string& pointer, Material& material) {
+    const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
+    const std::string pbrPointer = pointer + "/pbrMetallicRoughness";
     UvSource uvSource;
-    uvSource.set = info.texCoord;
-    if (info.index < 0) return uvSource;
-    const tinygltf::Texture& texture = document_.model.textures[info.index];
-    if (texture.source < 0) {
-        remarks_.add("a texture is left out: it has no image of a supported format");
-        return uvSource;
+    material.baseColorTexture = readTexture(pbr.baseColorTexture, pbrPointer + "/baseColorTexture", uvSource);
+    material.roughnessTexture =
+        readTexture(pbr.metallicRoughnessTexture, pbrPointer + "/metallicRoughnessTexture", uvSource);
+    if (material.emission != vec3(0.0f))
+        material.emissionTexture = readTexture(source.emissiveTexture, pointer + "/emissiveTexture", uvSource);
+    if (source.normalTexture.scale != 0.0) {
+        material.normalTexture = readTexture(source.normalTexture, pointer + "/normalTexture", uvSource);
+        material.normalScale = static_cast<float>(source.normalTexture.scale);
+        if (!std::isfinite(material.normalScale)) throw errorAt(document_, pointer + "/normalTexture/scale", "is too large");
+        uvSource.hasNormals = material.normalTexture.has_value();
     }
-    int& place = places_[texture.source];
+    material.occlusionTexture = readTexture(source.occlusionTexture, pointer + "/occlusionTexture", uvSource);
+    material.occlusionStrength = fraction(source.occlusionTexture.strength, pointer + "/occlusionTexture/strength");
+    return uvSource;
+}
+
+std::optional<uint32_t> MaterialReader::findImage(int image) {
+    int& place = places_[image];
     if (place == notLoaded) {
-        std::optional<Texels> texels = loadImage(texture.source);
+        std::optional<Texels> texels = loadImage(image);
         place = texels ? static_cast<int>(scene_.images.size()) : unusable;
         if (texels) scene_.images.push_back(std::move(*texels));
     }
-    if (place == unusable) return uvSource;
-    Texture lookUp{static_cast<uint32_t>(place), Wrap::repeat, Wrap::repeat};
-    if (texture.sampler >= 0) {
-        const tinygltf::Sampler& sampler = document_.model.samplers[texture.sampler];
-        lookUp.wrapU = wrapOf(document_, texture.sampler, sampler.wrapS, "wrapS");
-        lookUp.wrapV = wrapOf(document_, texture.sampler, sampler.wrapT, "wrapT");
+    return place == unusable ? std::nullopt : std::optional<uint32_t>(place);
+}
+
+/// A texture of any kind, or nothing. The sets of coordinates that it is the first to ask for join `uvSource`.
+template <class Info>
+std::optional<Texture> MaterialReader::readTexture(const Info& info, const std::string& pointer, UvSource& uvSource) {
+    if (info.index < 0) return std::nullopt;
+    const tinygltf::Texture& source = document_.model.textures[info.index];
+    if (source.source < 0) {
+        remarks_.add("a texture is left out: it has no image of a supported format");
+        return std::nullopt;
     }
-    material.baseColorTexture = lookUp;
-    uvSource.isUsed = true;
-    if (const auto* transform = findExtension(info.extensions, "KHR_texture_transform")) {
-        const auto pair = [&](const char* name, double otherwise) {
-            const tinygltf::Value& value = transform->Get(name);
-            if (value.Type() == tinygltf::NULL_TYPE) return dvec2(otherwise);
-            if (value.ArrayLen() != 2) throw errorAt(document_, pointer, "{} must be 2 numbers", name);
-            return dvec2(value.Get(0).GetNumberAsDouble(), value.Get(1).GetNumberAsDouble());
-        };
-        const dvec2 offset = pair("offset", 0.0), scale = pair("scale", 1.0);
-        const double angle = numberIn(*transform, "rotation", 0.0);
-        uvSource.u = vec3(std::cos(angle) * scale.x, std::sin(angle) * scale.y, offset.x);
-        uvSource.v = vec3(-std::sin(angle) * scale.x, std::cos(angle) * scale.y, offset.y);
-        if (!isFinite(uvSource.u) || !isFinite(uvSource.v))
-            throw errorAt(document_, pointer, "its texture transform is not finite");
-        uvSource.set = static_cast<int>(numberIn(*transform, "texCoord", uvSource.set));
+    const std::optional<uint32_t> image = findImage(source.source);
+    if (!image) return std::nullopt;
+    Texture texture{.image = *image};
+    if (source.sampler >= 0) {
+        const tinygltf::Sampler& sampler = document_.model.samplers[source.sampler];
+        texture.wrapU = wrapOf(document_, source.sampler, sampler.wrapS, "wrapS");
+        texture.wrapV = wrapOf(document_, source.sampler, sampler.wrapT, "wrapT");
     }
-    return uvSource;
+    int set = info.texCoord;
+    if (const auto* transform = findExtension(info.extensions, "KHR_texture_transform"))
+        readTransform(*transform, pointer, texture, set);
+    const auto known = std::ranges::find(uvSource.sets, set);
+    if (known == uvSource.sets.end() && uvSource.sets.size() == 2) {
+        remarks_.add("a texture is left out: its material has others of two sets of texture coordinates already");
+        return std::nullopt;
+    }
+    texture.set = static_cast<uint32_t>(known - uvSource.sets.begin());
+    if (known == uvSource.sets.end()) uvSource.sets.push_back(set);
+    return texture;
+}
+
+/// Source: KHR_texture_transform.
+void MaterialReader::readTransform(const tinygltf::Value& transform, const std::string& pointer, Texture& texture,
+                                   int& set) {
+    const auto pair = [&](const char* name, double otherwise) {
+        const tinygltf::Value& value = transform.Get(name);
+        if (value.Type() == tinygltf::NULL_TYPE) return dvec2(otherwise);
+        if (value.ArrayLen() != 2) throw errorAt(document_, pointer, "{} must be 2 numbers", name);
+        return dvec2(value.Get(0).GetNumberAsDouble(), value.Get(1).GetNumberAsDouble());
+    };
+    const dvec2 offset = pair("offset", 0.0), scale = pair("scale", 1.0);
+    const double angle = numberIn(transform, "rotation", 0.0);
+    texture.u = vec3(std::cos(angle) * scale.x, std::sin(angle) * scale.y, offset.x);
+    texture.v = vec3(-std::sin(angle) * scale.x, std::cos(angle) * scale.y, offset.y);
+    if (!isFinite(texture.u) || !isFinite(texture.v))
+        throw errorAt(document_, pointer, "its texture transform is not finite");
+    set = static_cast<int>(numberIn(transform, "texCoord", set));
 }
 
 }  // namespace

@@ -11,9 +11,9 @@ namespace {
 /// Accessors may be named by any number of primitives, each of which writes them out: a small file could ask for anything.
 constexpr size_t mostElements = size_t{1} << 28;
 
-/// Sets of vertices are the same if all of this is: the accessors of position, normal, uv and colour, the uv's transform,
-/// and the accessors by which they are bent.
-using VertexKey = std::tuple<std::array<int, 4>, std::array<float, 6>, std::vector<int>>;
+/// Sets of vertices are the same if all of this is: the accessors of position, normal, tangent, both uvs, and colour, and
+/// those by which they are bent.
+using VertexKey = std::pair<std::array<int, 6>, std::vector<int>>;
 
 vec3 unitOrZero(const vec3& v) {
     const double length = std::sqrt(glm::dot(dvec3(v), dvec3(v)));
@@ -69,7 +69,8 @@ private:
     uint32_t addVertices(const tinygltf::Primitive& primitive, const std::string& pointer);
     void bendVertices(const tinygltf::Primitive& primitive, const std::string& pointer, size_t first);
     void addNormals(int accessor, const std::string& pointer, size_t first);
-    void addUvs(int accessor, const UvSource& source, const std::string& pointer, size_t first);
+    void addTangents(int accessor, const std::string& pointer, size_t first);
+    void addUvs(int accessor, const std::string& pointer, size_t first, std::vector<vec2>& uvs);
     void addColors(int accessor, const std::string& pointer, size_t first);
     void spend(size_t elements, const std::string& pointer);
 
@@ -129,7 +130,8 @@ void MeshReader::addShape(const Shape& shape, uint32_t material) {
     sphereMaterials_.push_back(material);
     if (material >= document_.model.materials.size()) return;
     const Material& surface = scene_.materials[material];
-    if (surface.baseColorTexture) remarks_.add("a sphere's texture is left out: spheres have no texture coordinates");
+    if (surface.baseColorTexture || surface.roughnessTexture || surface.normalTexture || surface.emissionTexture)
+        remarks_.add("a sphere's texture is left out: spheres have no texture coordinates");
     if (glm::any(glm::greaterThan(surface.emission, vec3(0.0f))))
         remarks_.add("a sphere glows, but lights nothing: only triangles are lights");
 }
@@ -197,13 +199,14 @@ uint32_t MeshReader::addVertices(const tinygltf::Primitive& primitive, const std
     const UvSource& uvSource = primitive.material >= 0 ? uvSources_[primitive.material] : plain;
     const int position = findAttribute(primitive, "POSITION");
     const int normal = findAttribute(primitive, "NORMAL");
-    const int uv = findAttribute(primitive, fmt::format("TEXCOORD_{}", uvSource.set));
+    const int tangent = uvSource.hasNormals ? findAttribute(primitive, "TANGENT") : -1;
+    std::array<int, 2> uv = {findAttribute(primitive, "TEXCOORD_0"), -1};
+    for (size_t i = 0; i < uvSource.sets.size(); ++i) {
+        uv[i] = findAttribute(primitive, fmt::format("TEXCOORD_{}", uvSource.sets[i]));
+        if (uv[i] < 0) remarks_.add("a textured primitive has no texture coordinates: its texture's first texel is used");
+    }
     const int color = findAttribute(primitive, "COLOR_0");
-    if (uvSource.isUsed && uv < 0)
-        remarks_.add("a textured primitive has no texture coordinates: its texture's first texel is used");
-    const VertexKey key{{position, normal, uv, color},
-                        {uvSource.u.x, uvSource.u.y, uvSource.u.z, uvSource.v.x, uvSource.v.y, uvSource.v.z},
-                        bendAccessors(primitive, bend_)};
+    const VertexKey key{{position, normal, tangent, uv[0], uv[1], color}, bendAccessors(primitive, bend_)};
     const auto [known, isNew] = firstVertex_.try_emplace(key, static_cast<uint32_t>(mesh_.positions.size()));
     if (!isNew) return known->second;
 
@@ -224,7 +227,9 @@ uint32_t MeshReader::addVertices(const tinygltf::Primitive& primitive, const std
     mesh_.positions.insert(mesh_.positions.end(), positions.begin(), positions.end());
     // What one primitive has and another lacks is filled in, so that each array stays empty or whole.
     if (normal >= 0 || !mesh_.normals.empty()) addNormals(normal, pointer, first);
-    if (uv >= 0 || !mesh_.uvs.empty()) addUvs(uv, uvSource, pointer, first);
+    if (tangent >= 0 || !mesh_.tangents.empty()) addTangents(tangent, pointer, first);
+    if (uv[0] >= 0 || !mesh_.uvs.empty()) addUvs(uv[0], pointer, first, mesh_.uvs);
+    if (uv[1] >= 0 || !mesh_.moreUvs.empty()) addUvs(uv[1], pointer, first, mesh_.moreUvs);
     if (color >= 0 || !mesh_.colors.empty()) addColors(color, pointer, first);
     if (!bend_.isNone()) bendVertices(primitive, pointer, first);
     return known->second;
@@ -256,8 +261,27 @@ void MeshReader::addNormals(int accessor, const std::string& pointer, size_t fir
     std::transform(normals.begin(), normals.end(), mesh_.normals.begin() + first, unitOrZero);
 }
 
-void MeshReader::addUvs(int accessor, const UvSource& source, const std::string& pointer, size_t first) {
-    mesh_.uvs.resize(mesh_.positions.size(), vec2(0.0f));
+void MeshReader::addTangents(int accessor, const std::string& pointer, size_t first) {
+    mesh_.tangents.resize(mesh_.positions.size(), vec4(0.0f));
+    if (accessor < 0) return;
+    checkType(document_, accessor,
+              {.components = 4,
+               .bytes = true,
+               .unsignedBytes = false,
+               .shorts = true,
+               .unsignedShorts = false,
+               .unsignedInts = false,
+               .floats = true,
+               .needsNormalized = true},
+              pointer + "/attributes/TANGENT");
+    const std::vector<vec4> tangents = readVec4(document_, accessor);
+    for (size_t i = 0; i < tangents.size(); ++i)
+        if (const vec3 along = unitOrZero(vec3(tangents[i])); along != vec3(0.0f))
+            mesh_.tangents[first + i] = vec4(along, tangents[i].w < 0.0f ? -1.0f : 1.0f);
+}
+
+void MeshReader::addUvs(int accessor, const std::string& pointer, size_t first, std::vector<vec2>& uvs) {
+    uvs.resize(mesh_.positions.size(), vec2(0.0f));
     if (accessor < 0) return;
     checkType(document_, accessor,
               {.components = 2,
@@ -268,12 +292,9 @@ void MeshReader::addUvs(int accessor, const UvSource& source, const std::string&
                .unsignedInts = false,
                .floats = true,
                .needsNormalized = false},
-              fmt::format("{}/attributes/TEXCOORD_{}", pointer, source.set));
-    const std::vector<vec2> uvs = readVec2(document_, accessor);
-    for (size_t i = 0; i < uvs.size(); ++i) {
-        const vec3 at(uvs[i], 1.0f);
-        mesh_.uvs[first + i] = {finiteOr(glm::dot(source.u, at), 0.0f), finiteOr(glm::dot(source.v, at), 0.0f)};
-    }
+              pointer + "/attributes/TEXCOORD");
+    const std::vector<vec2> read = readVec2(document_, accessor);
+    for (size_t i = 0; i < read.size(); ++i) uvs[first + i] = {finiteOr(read[i].x, 0.0f), finiteOr(read[i].y, 0.0f)};
 }
 
 void MeshReader::addColors(int accessor, const std::string& pointer, size_t first) {

@@ -8,16 +8,14 @@
 
 namespace raig::gltf {
 
-/// How a material's texture coordinates come from a mesh's: which set, and KHR_texture_transform's matrix rows.
+/// What a material's textures ask of a mesh.
 struct UvSource {
-    int set = 0;
-    vec3 u{1.0f, 0.0f, 0.0f};  ///< u' = u.x u + u.y v + u.z
-    vec3 v{0.0f, 1.0f, 0.0f};
-    bool isUsed = false;  ///< the material has a texture
+    std::vector<int> sets;   ///< of texture coordinates, at most 2: Texture::set counts these
+    bool hasNormals = false; ///< a normal texture is among them: tangents are of use
 };
 
-/// Appends every material, and the images that base colours use, each once. Textures of other factors are replaced by their
-/// mean. Returns one UvSource a material.
+/// Appends every material, and the images that textures use, each once. A texture of transmission is replaced by its mean.
+/// Returns one UvSource a material.
 std::vector<UvSource> addMaterials(const Document& document, Scene& scene, Remarks& remarks);
 
 /// A shape of KHR_implicit_shapes: only spheres have a radius here.

@@ -53,7 +53,9 @@ Mesh withoutSpheres(const Mesh& source) {
     for (size_t i = 0; i < source.spheres.size(); ++i)
         appendFaces(source.spheres[i], source.materials[source.triangles.size() + i], mesh, materials);
     mesh.materials = std::move(materials);
+    if (!mesh.tangents.empty()) mesh.tangents.resize(mesh.positions.size(), vec4(0.0f));
     if (!mesh.uvs.empty()) mesh.uvs.resize(mesh.positions.size(), vec2(0.0f));
+    if (!mesh.moreUvs.empty()) mesh.moreUvs.resize(mesh.positions.size(), vec2(0.0f));
     if (!mesh.colors.empty()) mesh.colors.resize(mesh.positions.size(), vec3(1.0f));
     return mesh;
 }

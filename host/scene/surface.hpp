@@ -5,9 +5,11 @@
 
 namespace raig {
 
-/// A material reduced to the lecture's terms. All in [0, 1] but emission, ior and absorption.
+/// A material reduced to the lecture's terms, without its textures: what these and vertex colours multiply (base colour,
+/// roughness, metallic, emission) varies over the surface, and the formulas below hold at each point of it, see
+/// shaders/surface.glsl. All in [0, 1] but emission, ior and absorption.
 struct Surface {
-    vec3 diffuse;       ///< Lambertian reflectance, before texture and vertex colour (which multiply it)
+    vec3 diffuse;       ///< Lambertian reflectance
     vec3 mirror;        ///< K_R at normal incidence of an opaque surface; grows to `gloss` at grazing (Schlick)
     float gloss;        ///< 1 for a polished surface, 0 for one whose reflection is too blurred to be a mirror's
     vec3 transmission;  ///< K_T: what of the light that is not reflected by Fresnel's law passes; 0 for an opaque surface
@@ -15,8 +17,7 @@ struct Surface {
     bool thin;          ///< passes light straight on
     vec3 absorption;    ///< per unit of length inside (Beer-Lambert); 0 where thin
     vec3 emission;      ///< radiance, both sides
-    bool tintsMirror;   ///< texture and vertex colour multiply `mirror` too (metals)
-    bool tintsThrough;  ///< they multiply `transmission` too (not where only alpha lets light through)
+    bool tintsThrough;  ///< colour varies `transmission`, too (not where only alpha lets light through)
 };
 
 /// Reduces a metallic-roughness material:
@@ -27,5 +28,8 @@ struct Surface {
 ///     absorption   = -ln(attenuationColor) / attenuationDistance                      (not where thin)
 /// A surface that passes light only because of alpha is thin, with ior 1. What is glossy but no mirror is shaded as diffuse.
 Surface surfaceOf(const Material& material);
+
+/// The share of light along the normal that a dielectric of that index reflects in air.
+float normalReflectance(float ior);
 
 }  // namespace raig

@@ -41,6 +41,10 @@ Fault findMeshFault(const Mesh& mesh, size_t materialCount) {
         return fault("{} normals for {} vertices", mesh.normals.size(), vertexCount);
     if (!mesh.uvs.empty() && mesh.uvs.size() != vertexCount)
         return fault("{} uvs for {} vertices", mesh.uvs.size(), vertexCount);
+    if (!mesh.moreUvs.empty() && mesh.moreUvs.size() != vertexCount)
+        return fault("{} uvs of a second set for {} vertices", mesh.moreUvs.size(), vertexCount);
+    if (!mesh.tangents.empty() && mesh.tangents.size() != vertexCount)
+        return fault("{} tangents for {} vertices", mesh.tangents.size(), vertexCount);
     if (!mesh.colors.empty() && mesh.colors.size() != vertexCount)
         return fault("{} colours for {} vertices", mesh.colors.size(), vertexCount);
     if (mesh.materials.size() != mesh.primitiveCount())
@@ -57,6 +61,12 @@ Fault findMeshFault(const Mesh& mesh, size_t materialCount) {
         if (mesh.normals[i] != vec3(0.0f) && !isUnit(mesh.normals[i])) return fault("normal {} is neither unit nor zero", i);
     for (size_t i = 0; i < mesh.uvs.size(); ++i)
         if (!std::isfinite(mesh.uvs[i].x) || !std::isfinite(mesh.uvs[i].y)) return fault("uv {} is not finite", i);
+    for (size_t i = 0; i < mesh.moreUvs.size(); ++i)
+        if (!std::isfinite(mesh.moreUvs[i].x) || !std::isfinite(mesh.moreUvs[i].y))
+            return fault("uv {} of the second set is not finite", i);
+    for (size_t i = 0; i < mesh.tangents.size(); ++i)
+        if (const vec4& t = mesh.tangents[i]; t != vec4(0.0f) && !(isUnit(vec3(t)) && std::abs(t.w) == 1.0f))
+            return fault("tangent {} is neither unit, with a w of 1 or -1, nor zero", i);
     for (size_t i = 0; i < mesh.colors.size(); ++i)
         if (!isAmount(mesh.colors[i])) return fault("colour {} is negative or not finite", i);
     return std::nullopt;
@@ -73,6 +83,13 @@ Fault findInstanceFault(const Instance& instance, const std::vector<Mesh>& meshe
     return std::nullopt;
 }
 
+Fault findTextureFault(const Texture& texture, size_t imageCount) {
+    if (texture.image >= imageCount) return fault("its texture names image {} of {}", texture.image, imageCount);
+    if (texture.set > 1) return fault("its texture names set {} of 2", texture.set);
+    if (!isFinite(texture.u) || !isFinite(texture.v)) return fault("its texture's transform is not finite");
+    return std::nullopt;
+}
+
 Fault findMaterialFault(const Material& m, size_t imageCount) {
     if (!isAmount(m.baseColor)) return fault("baseColor is negative or not finite");
     if (!isAmount(m.emission)) return fault("emission is negative or not finite");
@@ -83,8 +100,12 @@ Fault findMaterialFault(const Material& m, size_t imageCount) {
     if (!isFraction(m.roughness)) return fault("roughness is outside [0, 1]");
     if (!isFraction(m.transmission)) return fault("transmission is outside [0, 1]");
     if (!isAmount(m.ior) || m.ior == 0.0f) return fault("ior is not positive and finite");
-    if (m.baseColorTexture && m.baseColorTexture->image >= imageCount)
-        return fault("its texture names image {} of {}", m.baseColorTexture->image, imageCount);
+    if (!isFinite(vec3(m.normalScale))) return fault("normalScale is not finite");
+    if (!isFraction(m.occlusionStrength)) return fault("occlusionStrength is outside [0, 1]");
+    for (const auto* texture :
+         {&m.baseColorTexture, &m.roughnessTexture, &m.normalTexture, &m.emissionTexture, &m.occlusionTexture})
+        if (*texture)
+            if (const Fault found = findTextureFault(**texture, imageCount)) return found;
     return std::nullopt;
 }
 

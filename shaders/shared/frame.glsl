@@ -75,6 +75,10 @@ struct PathState {
     uint deepest;        // depth reached, in all samples
     uint media;          // what the ray is in: see shaders/media.glsl
     uint forgotten;      // how often more was entered than that holds, in all samples
+    float travelled;     // by light from the ray's origin to the camera
+    uint passes;         // surfaces that the ray has passed straight on, since the camera
+    uint unused0;
+    uint unused1;
 };
 
 // A ray that waits to be followed.
@@ -85,6 +89,10 @@ struct PendingRay {
     uint key;
     vec3 weight;
     uint media;
+    float travelled;
+    uint passes;
+    uint unused0;
+    uint unused1;
 };
 
 // A pixel that has all its samples, for now.
@@ -129,22 +137,37 @@ CONSTANT uint FEATURE_LENS = 1024u;        // the camera is no pinhole
 CONSTANT uint FEATURE_NESTED = 2048u;      // media may lie within each other, or hold other things
 CONSTANT uint FEATURE_TENT = 16384u;       // pixels are filtered by a tent ...
 CONSTANT uint FEATURE_GAUSS = 32768u;      // ... or by Gauss's curve
+CONSTANT uint FEATURE_COLOR_TEXTURES = 1u << 16u;      // FEATURE_TEXTURES: any of these five
+CONSTANT uint FEATURE_ROUGHNESS_TEXTURES = 1u << 17u;
+CONSTANT uint FEATURE_NORMAL_TEXTURES = 1u << 18u;
+CONSTANT uint FEATURE_EMISSION_TEXTURES = 1u << 19u;
+CONSTANT uint FEATURE_OCCLUSION_TEXTURES = 1u << 20u;
+CONSTANT uint FEATURE_TEXTURE_TRANSFORMS = 1u << 21u;
+CONSTANT uint FEATURE_MORE_UVS = 1u << 22u;            // a second set, which textures ask for
+CONSTANT uint FEATURE_TANGENTS = 1u << 23u;
 
 // The scene's data is an array of uvec4. A triangle is one element: its vertices and its material; and so is a sphere in its
 // place: where it is among the spheres, NO_VERTEX, NO_VERTEX, material. A sphere is one element: centre, radius. A vertex is
-// `vertexStride`: position and u; normal and v if there are normals or uvs; colour if there are colours. If there are
-// instances, spheres are in the world all the same, each instance's. An instance is FRAME_INSTANCE_STRIDE: Placement, then
-// NormalPlacement with first id | where its mesh's triangles begin, less the first id (modulo 2^32) | its first sphere << 1,
-// and 1 if corners 1 and 2 change places. An emitter is one element: cumulated probability,
-// triangle, area, 0. Textures: one element each (first texel's element, width, height, wraps), then the texels, four an
+// `vertexStride`: position and u; normal and v if there are normals or uvs; tangent if there are tangents; the second set's
+// u and v, 0, 0 if there is one; colour if there are colours. If there are instances, spheres are in the world all the same,
+// each instance's. An instance is FRAME_INSTANCE_STRIDE: Placement, then NormalPlacement with first id | where its mesh's
+// triangles begin, less the first id (modulo 2^32) | its first sphere << 1, and 1 if corners 1 and 2 change places. An
+// emitter is one element: cumulated probability, triangle, area, 0. A texture is TEXTURE_STRIDE, all places counted from
+// texturesAt: where its levels begin, how many there are, wraps | set << 4, texels that a unit of its set's coordinates has,
+// by area | u of its transform | v. A level is one element: where its texels begin, width, height, 0. Texels are four an
 // element. Media: one element each (absorption, refraction index), air first.
-CONSTANT uint MATERIAL_STRIDE = 5u;  // diffuse gloss | mirror ior | transmission flags | absorption texture | emission medium
+//
+// A material is MATERIAL_STRIDE: base colour, metallic | emission, roughness | absorption, ior | transmission, alpha,
+// reflectance along the normal by ior, flags | textures of base colour, roughness, normal, emission (or NO_TEXTURE) |
+// texture of occlusion, its strength, the normal texture's scale, medium.
+CONSTANT uint MATERIAL_STRIDE = 6u;
+CONSTANT uint TEXTURE_STRIDE = 3u;
 CONSTANT uint FRAME_INSTANCE_STRIDE = 6u;
 CONSTANT uint LIGHT_STRIDE = 4u;     // position type | direction range | intensity cos(outer) | cos(inner) shadows 0 0
 
 CONSTANT uint SURFACE_THIN = 1u;
-CONSTANT uint SURFACE_TINTS_MIRROR = 2u;
-CONSTANT uint SURFACE_TINTS_THROUGH = 4u;
+CONSTANT uint SURFACE_TRANSMITS = 2u;
+CONSTANT uint SURFACE_IS_VEIL = 4u;  // lets light through by alpha alone
 CONSTANT uint NO_TEXTURE = 0xffffffffu;
 CONSTANT uint NO_VERTEX = 0xffffffffu;
 

@@ -28,14 +28,11 @@ SHARED_FUNCTION vec3 placePoint(Placement m, vec3 p) {
     return vec3(x, y, z);
 }
 
-// The unit normal that `normal` (unit, or zero) becomes; zero if that is none, or if the transform leaves it no direction.
-SHARED_FUNCTION vec3 placeNormal(NormalPlacement m, vec3 normal) {
-    precise float x = (m.x.x * normal.x + m.x.y * normal.y) + m.x.z * normal.z;
-    precise float y = (m.y.x * normal.x + m.y.y * normal.y) + m.y.z * normal.z;
-    precise float z = (m.z.x * normal.x + m.z.y * normal.y) + m.z.z * normal.z;
+// (x, y, z) made unit length, wherever its largest component lies between 2^-100 and `most`; else zero.
+SHARED_FUNCTION vec3 placedDirection(float x, float y, float z, float most) {
     float largest = abs(x) > abs(y) ? abs(x) : abs(y);
     largest = abs(z) > largest ? abs(z) : largest;
-    bool sound = largest >= 7.8886091e-31f && largest <= 16.0f;  // 2^-100; false for NaN
+    bool sound = largest >= 7.8886091e-31f && largest <= most;  // false for NaN
     // Brought to [1, 2) by a power of two, so that no square vanishes.
     uint exponent = floatBitsToUint(sound ? largest : 1.0f) & 0x7f800000u;
     float scale = uintBitsToFloat(0x7f000000u - exponent);
@@ -43,6 +40,22 @@ SHARED_FUNCTION vec3 placeNormal(NormalPlacement m, vec3 normal) {
     precise float square = (scaled.x * scaled.x + scaled.y * scaled.y) + scaled.z * scaled.z;
     precise vec3 unit_ = scaled / sqrt(sound ? square : 1.0f);
     return sound ? unit_ : vec3(0.0f);
+}
+
+// The unit direction that `tangent`'s first three (unit, or zero) become; zero if that is none.
+SHARED_FUNCTION vec3 placeTangent(Placement m, vec4 tangent) {
+    precise float x = (m.x.x * tangent.x + m.x.y * tangent.y) + m.x.z * tangent.z;
+    precise float y = (m.y.x * tangent.x + m.y.y * tangent.y) + m.y.z * tangent.z;
+    precise float z = (m.z.x * tangent.x + m.z.y * tangent.y) + m.z.z * tangent.z;
+    return placedDirection(x, y, z, 1.2676506e30f);
+}
+
+// The unit normal that `normal` (unit, or zero) becomes; zero if that is none, or if the transform leaves it no direction.
+SHARED_FUNCTION vec3 placeNormal(NormalPlacement m, vec3 normal) {
+    precise float x = (m.x.x * normal.x + m.x.y * normal.y) + m.x.z * normal.z;
+    precise float y = (m.y.x * normal.x + m.y.y * normal.y) + m.y.z * normal.z;
+    precise float z = (m.z.x * normal.x + m.z.y * normal.y) + m.z.z * normal.z;
+    return placedDirection(x, y, z, 16.0f);
 }
 
 #endif
