@@ -17,38 +17,6 @@ uint pixelOf(uint order) {
     return (frame.top + y) * frame.width + frame.left + x;
 }
 
-// Where a sample is taken, from the pixel's middle, in pixels, along one axis: as likely at a place as the pixel's filter
-// has weight there, so that the mean of samples is the filtered picture, and a pixel needs nobody else's samples. For x in
-// [0, 1). Source: Ernst, Stamminger and Greiner 2006, "Filter Importance Sampling".
-
-// The triangle from -1 over 0 to 1.
-float tentPlace(float x) {
-    precise float left = sqrt(2.0f * x) - 1.0f;
-    precise float right = 1.0f - sqrt(2.0f - 2.0f * x);
-    return x < 0.5f ? left : right;
-}
-
-// Gauss's curve of standard deviation 1/2, cut off where 0.02425 of it are left on either side, which is at 0.9866. Up to
-// there its inverse is this ratio, but for 1.2e-9 of it [Acklam 2003, "An algorithm for computing the inverse normal
-// cumulative distribution function"].
-float gaussPlace(float x) {
-    precise float q = 0.9515f * (x - 0.5f);
-    precise float r = q * q;
-    precise float above = -275.928510447f + r * (220.946098425f + r * -39.6968302867f);
-    above = 2.50662827746f + r * (-30.6647980661f + r * (138.357751867f + r * above));
-    precise float below = 66.8013118877f + r * (-155.698979860f + r * (161.585836858f + r * -54.4760987982f));
-    below = 1.0f + r * (-13.2806815529f + r * below);
-    precise float place = 0.5f * q * above / below;
-    return place;
-}
-
-// A point around the pixel whose corner is (0, 0), for one of the unit square.
-vec2 filtered(vec2 square) {
-    if ((FEATURES & FEATURE_TENT) != 0u) return vec2(0.5f + tentPlace(square.x), 0.5f + tentPlace(square.y));
-    if ((FEATURES & FEATURE_GAUSS) != 0u) return vec2(0.5f + gaussPlace(square.x), 0.5f + gaussPlace(square.y));
-    return square;
-}
-
 // A ray that meets nothing, and is found to at once.
 Ray noRay() { return Ray(vec3(0.0f), 1.0f, vec3(0.0f), 0.0f); }
 
@@ -83,10 +51,10 @@ Ray throughLens(vec3 origin, vec3 towards, uint pixel, uint sampleIndex) {
 }
 
 // The ray of sample `sampleIndex` of `pixel`: through the pixel's centre if there is one sample, else through a point of the
-// pixel, or of what its filter reaches, stratified over its samples. Row 0 is at the top. The direction is unit length.
+// pixel stratified over its samples. Row 0 is at the top. The direction is unit length.
 Ray cameraRay(uint pixel, uint sampleIndex) {
     vec2 within = vec2(0.5f, 0.5f);
-    if (frame.samples > 1u) within = filtered(sampleSquare(pixel, sampleIndex, 0u, frame.seed));
+    if (frame.samples > 1u) within = sampleSquare(pixel, sampleIndex, 0u, frame.seed);
     precise float x = 2.0f * (float(pixel % frame.width) + within.x) / float(frame.width) - 1.0f;
     precise float y = 1.0f - 2.0f * (float(pixel / frame.width) + within.y) / float(frame.height);
     precise vec3 right = x * frame.halfWidth * frame.right;

@@ -1,7 +1,7 @@
 /// Pictures made in passes: with samples where they are needed, or as many as go into a time.
 ///
 /// With a tolerance, pixels have as many samples as their error asks for. All get 8. Then, pass after pass, those whose
-/// error is still above the tolerance get as many again as they have, up to FrameOptions::samples; a pixel that has once been
+/// error is still above the tolerance get as many again as they have, up to FrameOptions::samples; a pixel that was once
 /// left is left for good. The error of a pixel's mean is estimated by two terms, whose squares are added:
 ///
 /// 1. What the last doubling has changed the mean by: that is half the difference of two halves which are stratified each,
