@@ -7,6 +7,7 @@
 #include "media.glsl"
 #include "fresnel.glsl"
 #include "lights.glsl"
+#include "environment.glsl"
 #include "path.glsl"
 #include "shade.glsl"
 #include "gather.glsl"

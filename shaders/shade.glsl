@@ -54,7 +54,7 @@ void shade(uint i) {
     vec3 direct = vec3(0.0f);
     SurfacePoint p;
     if (working && hit.primitive == NO_HIT) {
-        precise vec3 sum = state.sum + state.weight * skyRadiance(ray.direction);
+        precise vec3 sum = state.sum + state.weight * distantRadiance(ray.direction);
         state.sum = sum;
     } else if (working) {
         p = surfaceAt(ray, hit, state.travelled);
@@ -72,6 +72,11 @@ void shade(uint i) {
         ShadowRay shadow = noShadowRay();
         if (lit) shadow = emitterRay(p, state.pixel, state.sampleIndex, state.key);
         storeShadowRay(frame.lightCount * now.count + i, shadow, direct, state);
+    }
+    if ((FEATURES & FEATURE_SHINING) != 0u) {
+        ShadowRay shadow = noShadowRay();
+        if (lit) shadow = environmentRay(p, state.pixel, state.sampleIndex, state.key);
+        storeShadowRay((frame.shadowRays - 1u) * now.count + i, shadow, direct, state);
     }
     if (working) {
         states[slot].sum = state.sum;

@@ -4,6 +4,7 @@
 #include "app/aov_options.hpp"
 #include "app/chart_options.hpp"
 #include "app/compare_options.hpp"
+#include "app/environment_options.hpp"
 #include "app/primary_options.hpp"
 #include "app/sampling_options.hpp"
 #include "app/tone_options.hpp"
@@ -173,6 +174,7 @@ void addPicture(CLI::App& app, Options& options, uint32_t side) {
         options.minContribution = *value;
     };
     addViewOptions(app, options, side);
+    addEnvironmentOptions(app, options);
     addWholeNumber(app, "--max-depth", options.maxDepth, 0, 64,
                    "levels of reflection and refraction, NIVELL_MAX (default: 8)");
     app.add_option_function<std::string>("--min-contribution", parseContribution,
@@ -217,8 +219,9 @@ void addRender(CLI::App& app, Options& options) {
                    "  raig render room.glb -o sharp.png --aperture 0.05 --focus 2.5 --spp 64\n"
                    "  raig render room.glb -o out.png --exposure auto --tonemap aces\n"
                    "  raig render room.glb -o out.png --primary raster\n"
+                   "  raig render bunny.ply -o out.png --environment field.hdr --environment-rotate 90\n"
                    "  raig render walk.glb -o walk.png --frames 0:47 --fps 24\n" +
-                   aovExamples() + viewHelp + samplingHelp + animationHelp + toneHelp + aovHelp());
+                   aovExamples() + viewHelp + samplingHelp + animationHelp + environmentHelp + toneHelp + aovHelp());
 }
 
 void addTrace(CLI::App& app, Options& options) {

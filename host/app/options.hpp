@@ -72,6 +72,11 @@ struct Options {
     double minContribution = 1.0 / 512.0;  ///< MIN_CONTRIB: no ray that contributes less is traced
     uint32_t samples = 0;                  ///< a pixel; 0: the command's own default
 
+    // Light, of the same.
+    std::filesystem::path environment;  ///< a picture of what is where nothing is; empty: none
+    double environmentScale = 1.0;
+    double environmentTurn = 0.0;       ///< radians
+
     // render.
     std::optional<FrameRange> frames;      ///< a picture of each; nothing: one picture
     double framesPerSecond = 24.0;

@@ -2,6 +2,7 @@
 
 #include "app/animation_options.hpp"
 #include "app/primary_options.hpp"
+#include "app/environment_options.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 
@@ -97,6 +98,7 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
     } else {
         setup->scene = importScene(file, options.moment);
     }
+    setEnvironment(options, setup->scene);
     setup->geometry = gather(source, setup->scene);
     setup->importSeconds = secondsSince(start);
     describeScene(setup->scene, setup->geometry);

@@ -1,10 +1,10 @@
 /// Pictures: camera rays, and below each the lecture's recursion, turned into steps over many pixels at a time.
 ///
 /// Radiance of a ray is what the surface it meets emits, what it scatters of the light that reaches it (each light, one
-/// point of the emitting triangles a sample, and ambient light from everywhere), and what arrives along the reflected and
-/// the transmitted ray, weighted by K_R and K_T. A ray is followed down to NIVELL_MAX and while its weight in the pixel is
-/// at least MIN_CONTRIB. Source: Whitted 1980, "An Improved Illumination Model for Shaded Display"; Hall and Greenberg 1983,
-/// "A Testbed for Realistic Image Synthesis" (adaptive recursion).
+/// point of the emitting triangles and one direction of the environment a sample, and ambient light from everywhere), and
+/// what arrives along the reflected and the transmitted ray, weighted by K_R and K_T. A ray is followed down to NIVELL_MAX
+/// and while its weight in the pixel is at least MIN_CONTRIB. Source: Whitted 1980, "An Improved Illumination Model for
+/// Shaded Display"; Hall and Greenberg 1983, "A Testbed for Realistic Image Synthesis" (adaptive recursion).
 ///
 /// Where glass holds other things each ray knows which media it is in (shaders/media.glsl): what it meets parts the one
 /// that it runs through from the next, and that one absorbs. Camera rays are in the media that the eye is in, once for a

@@ -84,9 +84,24 @@ void packLights(const Scene& scene, const Geometry& geometry, Packer& packer, Fr
     data.params.emitterCount = static_cast<uint32_t>(emitters.size());
     for (const Emitter& emitter : emitters)
         packer.append({bitsOf(emitter.cumulated), emitter.triangle, bitsOf(emitter.area), 0u});
-    data.params.shadowRays = data.params.lightCount + (emitters.empty() ? 0 : 1);
+    const bool shines = scene.environment && scene.environment->shines();
+    data.params.shadowRays = data.params.lightCount + (emitters.empty() ? 0 : 1) + (shines ? 1 : 0);
     if (!scene.lights.empty()) data.features |= FEATURE_LIGHTS;
     if (!emitters.empty()) data.features |= FEATURE_EMITTERS;
+    if (shines) data.features |= FEATURE_SHINING;
+}
+
+void packEnvironment(const Scene& scene, Packer& packer, FrameData& data) {
+    if (!scene.environment) return;
+    const Environment& environment = *scene.environment;
+    data.features |= FEATURE_ENVIRONMENT;
+    data.params.environmentAt = packer.here();
+    data.params.environmentSide = environment.side;
+    const std::span<uvec4> elements = packer.room(environment.texels.size() + (environment.side + 3) / 4);
+    for (size_t i = 0; i < environment.texels.size(); ++i)
+        elements[i] = packed(environment.texels[i], environment.columns[i]);
+    for (uint32_t row = 0; row < environment.side; ++row)
+        elements[environment.texels.size() + row / 4][row % 4] = environment.rows[row];
 }
 
 void packGeometry(const Geometry& geometry, Packer& packer, FrameData& data) {
@@ -208,6 +223,7 @@ FrameData packFrame(const Scene& scene, const Geometry& geometry, bool keepsUvs)
         data.params.texturesAt = packer.here();
         packer.append(packTextures(scene, textures));
     }
+    packEnvironment(scene, packer, data);
     packGeometry(geometry, packer, data);
     packInstances(geometry, packer, data);
     return data;

@@ -1,5 +1,6 @@
 #include "reference/whitted.hpp"
 
+#include "reference/environment.hpp"
 #include "reference/optics.hpp"
 #include "reference/sampling.hpp"
 
@@ -123,7 +124,7 @@ public:
     dvec3 trace(const Ray& ray, dvec3 weight, uint32_t depth, uint32_t key, uint32_t leaving, const Nest& nest,
                 double travelled) {
         const Hit hit = world_.tree.closest(ray, leaving);
-        if (hit.primitive == noTriangle) return weight * skyRadiance(world_.scene.sky, ray.direction);
+        if (hit.primitive == noTriangle) return weight * distantRadiance(world_.scene, ray.direction);
         const double distance = travelled + hit.t;
         const SurfacePoint p = surfaceAt(world_, ray, hit, id_.pixelWidth + id_.pixelSpread * distance);
         const Passing passing = pass(world_, p, nest);
@@ -173,6 +174,14 @@ private:
             const dvec2 place = sample2(id_.pixel, id_.sample, 2 + 3 * key, bounds_.seed);
             light +=
                 unshadowed(p, arrivingFromEmitters(world_, choice.x, place, p.position, p.shadingNormal), leaving, key) / pi;
+        }
+        if (world_.scene.environment && world_.scene.environment->shines()) {
+            const uint32_t dimension = 0x80000000u + 2 * key;
+            const dvec2 choice = sample2(id_.pixel, id_.sample, dimension, bounds_.seed);
+            const dvec2 place = sample2(id_.pixel, id_.sample, dimension + 1, bounds_.seed);
+            light += unshadowed(p, arrivingFromEnvironment(*world_.scene.environment, choice, place, p.shadingNormal),
+                                leaving, key) /
+                     pi;
         }
         return light;
     }

@@ -31,10 +31,10 @@ struct Radiance {
 };
 
 /// The radiance along `ray` (unit direction), by Whitted's recursion with one emitter sample a shading point:
-///   - nothing hit: the sky;
+///   - nothing hit: the sky, or the environment;
 ///   - a surface's own emission, both sides;
-///   - diffuse reflection of the ambient light, of every light and of a random point of the emitters, where no opaque
-///     triangle is in between (surfaces that transmit cast no shadow: a simplification);
+///   - diffuse reflection of the ambient light, of every light, of a random point of the emitters and of a random
+///     direction of the environment, where no opaque triangle is in between (surfaces that transmit cast no shadow: a simplification);
 ///   - an opaque surface mirrors by `mirror`, growing to `gloss` at grazing [Schlick 1994]; one that transmits mirrors by
 ///     Fresnel's law and transmits the rest, bent by Snell's law unless thin, and what is inside absorbs by Beer and
 ///     Lambert;
@@ -44,7 +44,8 @@ struct Radiance {
 /// A child ray is followed if its depth is at most maxDepth and the largest component of its weight, the product of
 /// reflectances and transmittances so far, is at least minContribution.
 ///
-/// Random numbers come from reference/sampling.hpp; dimensions 1 + 3 k and 2 + 3 k belong to the ray of key k, whose
+/// Random numbers come from reference/sampling.hpp; dimensions 1 + 3 k and 2 + 3 k (emitters), and 2^31 + 2 k
+/// and the next (environment), belong to the ray of key k, whose
 /// mirrored child has key 2 k + 1 and whose transmitted one 2 k + 2. Cost: up to 2^(maxDepth + 1) rays, fewer by
 /// minContribution. Source: Whitted 1980, "An Improved Illumination Model for Shaded Display"; Hall and Greenberg 1983, "A
 /// Testbed for Realistic Image Synthesis" (adaptive depth).

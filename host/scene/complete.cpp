@@ -218,6 +218,9 @@ void addCamera(Scene& scene) {
 /// so that places no light reaches directly can be told from nothing.
 constexpr float faintAmbient = 0.03f;
 
+const char* const noLight = "no light: a headlight along the camera, a sky and some ambient light are used";
+const char* const noEnvironment = "no environment: ";  // how the remark begins
+
 /// The sky where the file has none, so that mirrors and glass have something to show. It goes with a sun whose irradiance is pi.
 constexpr Sky daySky = {.zenith = {0.28f, 0.44f, 0.72f}, .horizon = {0.85f, 0.88f, 0.92f}, .ground = {0.19f, 0.16f, 0.13f}};
 
@@ -235,14 +238,15 @@ void addEnvironment(Scene& scene) {
     scene.ambient = vec3(faintAmbient);
     const double sun = sunlight(scene);
     if (!(sun > 0.0)) {
-        scene.remarks.push_back(fmt::format("no environment: a faint ambient light ({}) is used", faintAmbient));
+        scene.remarks.push_back(fmt::format("{}a faint ambient light ({}) is used", noEnvironment, faintAmbient));
         return;
     }
     const auto scale = static_cast<float>(sun / 3.14159265);
     scene.sky = {scale * daySky.zenith, scale * daySky.horizon, scale * daySky.ground};
     scene.ambient *= scale;
     scene.remarks.push_back(
-        fmt::format("no environment: a sky that goes with the sun, and a faint ambient light ({:.3g}) are used", scene.ambient.x));
+        fmt::format("{}a sky that goes with the sun, and a faint ambient light ({:.3g}) are used", noEnvironment,
+                    scene.ambient.x));
 }
 
 /// A directional light whose irradiance of pi makes a white diffuse surface that faces it exactly 1 bright, and a sky.
@@ -255,7 +259,7 @@ void addLight(Scene& scene) {
     scene.lights.push_back(headlight);
     scene.sky = daySky;
     scene.ambient = vec3(0.12f);
-    scene.remarks.emplace_back("no light: a headlight along the camera, a sky and some ambient light are used");
+    scene.remarks.emplace_back(noLight);
 }
 
 }  // namespace
@@ -272,6 +276,14 @@ void completeScene(Scene& scene) {
     } else {
         addEnvironment(scene);
     }
+}
+
+void lightByEnvironment(Scene& scene, Environment environment) {
+    if (std::erase(scene.remarks, noLight) > 0) std::erase_if(scene.lights, [](const Light& l) { return !l.castsShadows; });
+    std::erase_if(scene.remarks, [](const std::string& remark) { return remark.starts_with(noEnvironment); });
+    scene.sky = {};
+    scene.ambient = vec3(0.0f);
+    scene.environment = std::move(environment);
 }
 
 Camera threeQuarterView(const std::vector<vec3>& points, const Box& framed, const dvec3& towardsEye) {

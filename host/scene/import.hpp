@@ -75,6 +75,9 @@ Scene importStl(const std::filesystem::path& path);   ///< ASCII and binary (sce
 /// Throws limitError as checkPrimitiveCount does.
 void completeScene(Scene& scene);
 
+/// Puts `environment` in the place of all that a completed scene got for want of one: sky, ambient light, headlight.
+void lightByEnvironment(Scene& scene, Environment environment);
+
 /// From where the standard view is seen, as a direction from the centre.
 constexpr dvec3 threeQuarters{0.5, 0.35, 1.0};
 

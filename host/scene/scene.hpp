@@ -5,6 +5,7 @@
 
 #include "base/box.hpp"
 #include "base/vectors.hpp"
+#include "scene/environment.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -140,6 +141,7 @@ struct Scene {
     std::vector<Light> lights;
     std::vector<Camera> cameras;  ///< at least one, once completed
     Sky sky;
+    std::optional<Environment> environment;  ///< what is seen instead of the sky, and lights what is there
     vec3 ambient{0.0f};                ///< radiance that reaches every surface from everywhere
     std::vector<Clip> clips;           ///< those of the file, played or not
     uint64_t otherPrimitives = 0;      ///< points, lines, faces of fewer than 3 corners: left out by the importer

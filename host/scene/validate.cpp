@@ -168,6 +168,8 @@ std::optional<std::string> findFault(const Scene& scene) {
     if (const Fault f = firstFault("camera", scene.cameras, findCameraFault)) return f;
     if (!isAmount(scene.sky.zenith) || !isAmount(scene.sky.horizon) || !isAmount(scene.sky.ground))
         return fault("sky: a colour is negative or not finite");
+    if (scene.environment && !std::ranges::all_of(scene.environment->texels, [](const vec3& c) { return isAmount(c); }))
+        return fault("environment: a colour is negative or not finite");
     if (!isAmount(scene.ambient)) return fault("ambient is negative or not finite");
     return std::nullopt;
 }

@@ -27,7 +27,7 @@ struct FrameParams {
     uint slots;              // that there is memory for: the distance between entries of a slot
     uint lightCount;         // point, spot and directional lights
     uint emitterCount;       // triangles that emit light
-    uint shadowRays;         // of one shading point: one a light, and one for the emitters if there are any
+    uint shadowRays;         // of one shading point: one a light, and one each for the emitters and the environment if there are any
     uint materialsAt;        // where in the scene's data these begin, in elements
     uint lightsAt;
     uint emittersAt;
@@ -47,6 +47,10 @@ struct FrameParams {
     float lensSlope;         // the lens's radius over the distance at which the picture is sharp
     uint mediaAt;            // air, then the media, by number
     uint eyeMedia;           // those that the eye is in: see shaders/media.glsl
+    uint environmentAt;      // if there is one
+    uint environmentSide;    // texels
+    uint unused0;
+    uint unused1;
 };
 
 // One dispatch over a list of slots.
@@ -135,6 +139,8 @@ CONSTANT uint FEATURE_SPHERES = 256u;
 CONSTANT uint FEATURE_INSTANCES = 512u;    // meshes are stored once, in their own space
 CONSTANT uint FEATURE_LENS = 1024u;        // the camera is no pinhole
 CONSTANT uint FEATURE_NESTED = 2048u;      // media may lie within each other, or hold other things
+CONSTANT uint FEATURE_ENVIRONMENT = 4096u; // there is a picture of what is where nothing is
+CONSTANT uint FEATURE_SHINING = 8192u;     // ... which is not black
 CONSTANT uint FEATURE_COLOR_TEXTURES = 1u << 16u;      // FEATURE_TEXTURES: any of these five
 CONSTANT uint FEATURE_ROUGHNESS_TEXTURES = 1u << 17u;
 CONSTANT uint FEATURE_NORMAL_TEXTURES = 1u << 18u;
@@ -153,7 +159,8 @@ CONSTANT uint FEATURE_TANGENTS = 1u << 23u;
 // emitter is one element: cumulated probability, triangle, area, 0. A texture is TEXTURE_STRIDE, all places counted from
 // texturesAt: where its levels begin, how many there are, wraps | set << 4, texels that a unit of its set's coordinates has,
 // by area | u of its transform | v. A level is one element: where its texels begin, width, height, 0. Texels are four an
-// element. Media: one element each (absorption, refraction index), air first.
+// element. Media: one element each (absorption, refraction index), air first. An environment: an element a texel (radiance,
+// share as far as it in its row), row by row, then the rows' shares, four an element.
 //
 // A material is MATERIAL_STRIDE: base colour, metallic | emission, roughness | absorption, ior | transmission, alpha,
 // reflectance along the normal by ior, flags | textures of base colour, roughness, normal, emission (or NO_TEXTURE) |
