@@ -127,6 +127,7 @@ std::unique_ptr<Setup> prepare(const Options& options, const std::filesystem::pa
 void moveTo(Setup& setup, const Options& options, uint32_t frame) {
     RAIG_CHECK(setup.moving);
     Scene scene = setup.moving->at(momentOf(options, frame));
+    setEnvironment(options, scene);
     Geometry geometry = gather(*setup.source, scene);
     const bool stays = isSameShape(setup.scene, setup.geometry, scene, geometry);
     setup.scene = std::move(scene);
