@@ -5,6 +5,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "measure/trials.hpp"
+#include "rays/economy.hpp"
 #include "rays/placed_scene.hpp"
 #include "rays/primitives.hpp"
 #include "scene/import.hpp"
@@ -30,6 +31,7 @@ struct Survey {
     TriangleCounts counts;  ///< as instances, and written out
     std::vector<std::string> features;
     uint32_t materials = 0;  ///< in use
+    Economy economy;         ///< of pictures, as renderings make them: instances kept where that is worth it
     std::vector<std::string> warnings;
     std::vector<Trial> trials;
     Choice choice;
@@ -71,6 +73,7 @@ Survey surveyScene(const Options& options) {
     survey.numbers = measureScene(triangles);
     survey.features = featuresOf(survey.scene, survey.geometry);
     survey.materials = countUsedMaterials(survey.scene, survey.geometry);
+    survey.economy = measureEconomy(survey.scene, isWorthKeeping(survey.counts) ? gatherInstances(survey.scene) : survey.geometry);
     survey.warnings = listWarnings(survey.numbers);
 
     Progress progress("structures");
@@ -103,6 +106,21 @@ std::string describeClips(const Scene& scene) {
     return scene.clips.size() > shown ? fmt::format("{} and {} more", text, scene.clips.size() - shown) : text;
 }
 
+Json economyJson(const Economy& economy) {
+    Json leftOut = Json::array();
+    for (const LeftOut& each : economy.leftOut) leftOut.push_back({{"name", each.name}, {"instructions", each.instructions}});
+    return {{"used", economy.used},
+            {"left_out", leftOut},
+            {"instructions", economy.instructions},
+            {"all_instructions", economy.allInstructions},
+            {"vertices", economy.vertices},
+            {"vertex_bytes", economy.vertexBytes},
+            {"all_vertex_bytes", economy.allVertexBytes},
+            {"stored_primitives", economy.storedTriangles},
+            {"texture_bytes", economy.textureBytes},
+            {"named_texture_bytes", economy.namedTextureBytes}};
+}
+
 Json sceneJson(const Options& options, const Survey& survey) {
     const SceneNumbers& numbers = survey.numbers;
     const Scene& scene = survey.scene;
@@ -126,6 +144,7 @@ Json sceneJson(const Options& options, const Survey& survey) {
             {"lights", scene.lights.size()},
             {"cameras", scene.cameras.size()},
             {"features", survey.features},
+            {"economy", economyJson(survey.economy)},
             {"bounds", empty ? Json() : Json{{"lo", toJson(numbers.bounds.lo)}, {"hi", toJson(numbers.bounds.hi)}}},
             {"extent", toJson(empty ? vec3(0.0f) : numbers.bounds.extent())},
             {"largest_triangle", numbers.largestExtent},
@@ -179,6 +198,7 @@ void printScene(const Survey& survey) {
     row("view", fmt::format("{} cameras, {} lights", scene.cameras.size(), scene.lights.size()));
     if (!scene.clips.empty()) row("animations", describeClips(scene));
     row("uses", survey.features.empty() ? "plain triangles" : fmt::format("{}", fmt::join(survey.features, ", ")));
+    for (const std::string& line : describe(survey.economy)) row("", line);
     if (numbers.bounds.empty()) return;
     const Box& b = numbers.bounds;
     row("bounds",

@@ -12,6 +12,7 @@
 #include "base/files.hpp"
 #include "base/log.hpp"
 #include "image/image.hpp"
+#include "rays/economy.hpp"
 #include "rays/frame.hpp"
 
 #include <nlohmann/json.hpp>
@@ -189,6 +190,7 @@ nlohmann::ordered_json toJson(const Setup& setup, const FrameOptions& frame, con
             {"trace_s", s.traceSeconds},
             {"closest_rays", s.closestRays},
             {"shadow_rays", s.shadowRays},
+            {"spared_shadow_rays", s.spared},
             {"mrays_per_s", raysTraced(s) * 1e-6 / std::max(s.traceSeconds, 1e-9)},
             {"deepest", s.deepest},
             {"forgotten_media", s.forgottenMedia},
@@ -201,6 +203,15 @@ nlohmann::ordered_json primaryOf(const Options& options, const FrameStatistics& 
     if (options.primary == Primary::ray) return {{"by", "ray"}};
     return {{"by", "raster"},       {"rays", s.hintedRays},          {"fallbacks", s.fallbacks},
             {"draw_s", s.drawSeconds}, {"triangles", s.drawnTriangles}};
+}
+
+/// What was not modelled, and not traced.
+void describeSavings(const Setup& setup, const Picture& picture) {
+    for (const std::string& line : describe(measureEconomy(setup.scene, setup.geometry))) log::note("economy: {}", line);
+    const FrameStatistics& s = picture.statistics;
+    if (s.spared > 0)
+        log::note("economy: {} shadow rays of {} were not traced, as nothing was met, or they could have added nothing",
+                  s.spared, s.spared + s.shadowRays);
 }
 
 void addAovs(const Options& options, const AovView& view, nlohmann::ordered_json& document) {
@@ -233,6 +244,7 @@ nlohmann::ordered_json renderOne(Options& options, Clock::time_point start, Setu
 
     const Discarded discarded = measureDiscarded(picture);
     if (needsPicture(options)) describe(picture, frame, discarded);
+    if (options.verbose && needsPicture(options)) describeSavings(setup, picture);
     if (view.range)
         log::note("view: {} from {:.6g} to {:.6g}", typeOf(*options.view).name, view.range->first, view.range->second);
     const bool isBlack = options.exposure == Exposure::suitable && shown.stops == 0.0;  // as far as can be told

@@ -215,6 +215,7 @@ void FramePasses::run(FrameKernel firstKernel, uint32_t pixels, uint32_t samples
         rays_ += double(tile.closestRays + tile.shadowRays);
         results.resize(count);
         tiles_.read(results);
+        picture_.statistics.spared += tile.shadowRays;  // take() takes off those that were traced
         for (uint32_t slot = 0; slot < count; ++slot) take(results[slot], costs ? costs->ofSlot[slot] : 0);
         picture_.statistics.closestRays += tile.closestRays;
         picture_.statistics.traceSeconds += tile.traceSeconds;
@@ -230,6 +231,7 @@ void FramePasses::take(const PixelResult& result, uint32_t cost) {
     picture_.radiance[at] = result.sum;
     picture_.discarded[at] = result.discarded;
     picture_.statistics.shadowRays += result.shadowRays;
+    picture_.statistics.spared -= result.shadowRays;
     picture_.statistics.forgottenMedia += result.forgotten;
     picture_.statistics.deepest = std::max(picture_.statistics.deepest, result.deepest);
     if (options_.keepsLevels) picture_.levels[at] = std::max(picture_.levels[at], result.deepest);

@@ -60,6 +60,7 @@ struct FrameOptions {
 struct FrameStatistics {
     uint64_t closestRays = 0;   ///< camera, reflected and transmitted rays
     uint64_t shadowRays = 0;
+    uint64_t spared = 0;        ///< shadow rays that were not traced: the others of one a light for each closest ray
     uint32_t deepest = 0;       ///< reflections and refractions of the deepest ray
     uint64_t forgottenMedia = 0;  ///< how often rays entered more things within each other than they remember
     uint32_t openMaterials = 0;   ///< of glass that may hold or lie in other things, but is not closed: Media

@@ -22,6 +22,9 @@ struct FrameData {
 /// Cost: 16 bytes a triangle, 16 to 80 bytes a vertex, and 5 1/3 bytes a texel.
 FrameData packFrame(const Scene& scene, const Geometry& geometry, bool keepsUvs = false);
 
+/// Of a vertex that has everything: `vertexStride` at most.
+constexpr uint32_t mostVertexElements = 5;
+
 /// Fills in sky, camera and picture: enough for camera rays.
 void setView(const Scene& scene, const FrameOptions& options, shared::FrameParams& params);
 
