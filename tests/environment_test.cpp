@@ -2,6 +2,7 @@
 #include "base/random.hpp"
 #include "image/image.hpp"
 #include "measure/compare.hpp"
+#include "rays/frame_data.hpp"
 #include "rays/frame_kernels.hpp"
 #include "reference/environment.hpp"
 #include "reference/picture.hpp"
@@ -160,7 +161,7 @@ TEST(EnvironmentLight, IsTheAlbedoInAFurnace) {
             scene.environment = constant(side, vec3(1.0f));
             const Mean mean = meanOf(Stage(scene).onCpu(square(64, 16)));
             EXPECT_LT(std::abs(mean.value - 0.6), 4.0 * mean.error) << side << ' ' << isBall;
-            EXPECT_LT(mean.error, 2e-3);
+            EXPECT_LT(mean.error, side == 2 ? 8e-3 : 2e-3);  // of four texels each is uneven in solid angle
         }
 }
 

@@ -12,7 +12,7 @@ namespace {
 const std::string spheres = RAIG_SOURCE_DIR "/assets/cornell_spheres.gltf";
 
 void expectRefused(std::vector<std::string> arguments, const std::string& mentions, int exitCode = 2,
-                   const Environment& changes = {}) {
+                   const Variables& changes = {}) {
     const Folder folder;
     const std::vector<std::string> all{"render", spheres, "-o", (folder.write("a", "").parent_path() / "out.png").string()};
     arguments.insert(arguments.begin(), all.begin(), all.end());

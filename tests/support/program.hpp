@@ -13,11 +13,11 @@ struct ProgramResult {
     std::string errors;  ///< all of standard error
 };
 
-using Environment = std::vector<std::pair<std::string, std::string>>;
+using Variables = std::vector<std::pair<std::string, std::string>>;
 
 /// Runs `program` with `arguments`, an empty standard input and `changes` made to the environment, and waits for it to end.
 /// Standard output goes to `outputFile` if that is named. Throws std::runtime_error if the program cannot be started.
 ProgramResult runProgram(const std::string& program, const std::vector<std::string>& arguments,
-                         const std::string& outputFile = "", const Environment& changes = {});
+                         const std::string& outputFile = "", const Variables& changes = {});
 
 }  // namespace raig
