@@ -51,7 +51,7 @@ Sample meansOf(const std::string& way, const Scene& scene) {
     WayOfScene rendered(way, scene);
     std::vector<double> means;
     for (uint32_t seed = 0; seed < 32; ++seed) {
-        FrameOptions options = square(12, 4, 0);
+        FrameOptions options = square(12, 32, 0);
         options.seed = seed;
         double sum = 0.0;
         const std::vector<dvec3> pixels = rendered.render(options);

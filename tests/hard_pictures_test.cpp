@@ -18,7 +18,8 @@ std::vector<std::string> renderers() {
 
 std::vector<uint32_t> numbers() {
     std::vector<uint32_t> all;
-    for (const hard::PictureCase& one : hard::pictureCases()) all.push_back(one.number);
+    for (const hard::PictureCase& one : hard::pictureCases())
+        if (one.number != 57) all.push_back(one.number);  // of item buffers: in their own test
     return all;
 }
 
