@@ -2,6 +2,7 @@
 #include "measure/sweep.hpp"
 
 #include "base/error.hpp"
+#include "measure/tasks.hpp"
 
 #include <gtest/gtest.h>
 
@@ -110,6 +111,21 @@ TEST(Sweep, IsWhatRaigDrawsOfItself) {
         EXPECT_FALSE(sweep.text.empty()) << sweep.name;
         EXPECT_FALSE(sweep.laws.empty()) << sweep.name;
         EXPECT_FALSE(sweep.measures.empty()) << sweep.name;
+    }
+}
+
+// A figure that names what there is not would keep all others from being drawn.
+TEST(OwnFigures, NameOnlyWhatTheirTasksKnow) {
+    const std::vector<Sweep> sweeps = readSweeps(std::string(builtInSweeps()), "figures.json");
+    EXPECT_GT(sweeps.size(), 10u);
+    for (const Sweep& sweep : sweeps) {
+        const std::unique_ptr<Task> task = makeTask(sweep.task, {});
+        for (const Json& point : sweep.settings) EXPECT_NO_THROW(task->check(point)) << sweep.name;
+        try {
+            checkNames(sweep, task->measures());
+        } catch (const Error& error) {
+            ADD_FAILURE() << sweep.name << ": " << error.what();
+        }
     }
 }
 
