@@ -2,6 +2,7 @@
 #include "rays/media.hpp"
 #include "base/random.hpp"
 #include "measure/compare.hpp"
+#include "measure/hard_scenes.hpp"
 #include "rays/frame_data.hpp"
 #include "reference/media.hpp"
 #include "reference/picture.hpp"
@@ -22,30 +23,11 @@ Material absorbing(float ior, const vec3& kept) {
     return m;
 }
 
-void addBox(Scene& scene, const vec3& lo, const vec3& hi, const Material& material) {
-    std::vector<vec3> corners;
-    for (int i = 0; i < 8; ++i) corners.emplace_back(i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z);
-    addMesh(scene, corners,
-            {{0, 2, 3},
-             {0, 3, 1},
-             {4, 5, 7},
-             {4, 7, 6},
-             {0, 1, 5},
-             {0, 5, 4},
-             {2, 6, 7},
-             {2, 7, 3},
-             {0, 4, 6},
-             {0, 6, 2},
-             {1, 3, 7},
-             {1, 7, 5}},
-            material);
-}
-
 /// Amber with water, a bubble and a matte pearl in it; a ball of glass that another cuts into; in a varied room.
 /// Cameras outside, in the amber, in the water, and in the bubble.
 Scene vitrine() {
     Scene scene = variedRoom();
-    addBox(scene, {-1.6f, 0.3f, -1}, {0.6f, 2.1f, 1}, absorbing(1.55f, {0.9f, 0.7f, 0.4f}));
+    hard::addBox(scene, {-1.6f, 0.3f, -1}, {0.6f, 2.1f, 1}, absorbing(1.55f, {0.9f, 0.7f, 0.4f}));
     addSphere(scene, {-0.5f, 1.2f, 0}, 0.7f, 12, true, absorbing(1.33f, {0.5f, 0.8f, 0.9f}));
     addTrueSphere(scene, {-0.6f, 1.3f, 0.1f}, 0.3f, glass(1.0f));
     addTrueSphere(scene, {-0.1f, 0.9f, 0.2f}, 0.1f, matte({0.9f, 0.8f, 0.8f}));

@@ -60,26 +60,14 @@ TEST(FacingMirrors, SumTheGeometricSeriesAndDiscardItsRest) {
         }
 }
 
-/// A matte floor at y = 0 seen from above, one pixel around the origin.
-Scene floorFromAbove(const Material& m = material(0, 1, 0, 1.5f, true, vec3(0.5f))) {
-    Scene scene;
-    addQuad(scene, {-4, 0, 4}, {8, 0, 0}, {0, 0, -8}, m);
-    Camera camera;
-    camera.eye = {0.0f, 3.0f, 0.0f};
-    camera.forward = {0, -1, 0};
-    camera.right = {1, 0, 0};
-    camera.up = {0, 0, -1};
-    camera.yfov = 1e-4f;
-    scene.cameras.push_back(camera);
-    return scene;
-}
+Material matteGrey() { return material(0, 1, 0, 1.5f, true, vec3(0.5f)); }
 
 float onePixel(const Scene& scene, uint32_t samples = 1) {
     return Stage(scene).onCpu(square(1, samples)).radiance[0].x;
 }
 
 TEST(Lights, FallOffByDistanceAngleRangeAndCone) {
-    Scene scene = floorFromAbove();
+    Scene scene = floorFromAbove(matteGrey());
     const vec3 at(2.0f, 1.5f, 0.0f);
     const double squared = 2.0 * 2.0 + 1.5 * 1.5, cosine = 1.5 / std::sqrt(squared);
     const double point = 0.5 / M_PI * 7.0 * cosine / squared;
@@ -111,7 +99,7 @@ TEST(Lights, FallOffByDistanceAngleRangeAndCone) {
 
 TEST(Shadows, FallFromWhatIsOpaqueAndNotFromGlass) {
     for (const bool opaque : {true, false}) {
-        Scene scene = floorFromAbove();
+        Scene scene = floorFromAbove(matteGrey());
         scene.lights = {{.type = Light::Type::point, .position = {2, 2, 0}, .intensity = vec3(7.0f)}};
         const float lit = onePixel(scene);
         addQuad(scene, {0.5f, 1, 1}, {1, 0, 0}, {0, 0, -2}, material(0, 0, opaque ? 0.0f : 1.0f, 1.5f, true));
@@ -122,7 +110,7 @@ TEST(Shadows, FallFromWhatIsOpaqueAndNotFromGlass) {
 // Irradiance below a rectangular emitter has a closed form [Howell, configuration factor B-4]; the mean of many samples is
 // within 4 standard errors of it.
 TEST(Emitters, LightTheFloorBelowAsTheConfigurationFactorSays) {
-    Scene scene = floorFromAbove();
+    Scene scene = floorFromAbove(matteGrey());
     addQuad(scene, {0.0f, 1.0f, 0.0f}, {1.0f, 0, 0}, {0, 0, -0.5f}, glowing(vec3(3.0f)));
     scene.cameras[0].eye.y = 0.5f;  // below the lamp
     const double x = 1.0, y = 0.5;

@@ -165,19 +165,11 @@ TEST_P(TexturesOnDevice, HaveTheBitsOfTheCpus) {
     }
 }
 
-/// A floor at y = 0 under a camera straight above it, v growing towards the viewer's bottom as glTF has it, ambient light 1.
+/// The floor from above, v growing towards the viewer's bottom as glTF has it, ambient light as it comes.
 Scene floorWith(const Material& material, uint32_t width = 8) {
-    Scene scene;
-    const auto half = static_cast<float>(width) / 2.0f;
-    const uint32_t quad = addQuad(scene, {-half, 0, half}, {2 * half, 0, 0}, {0, 0, -2 * half}, material);
-    scene.meshes[quad].uvs = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
-    Camera camera;
-    camera.eye = {0.1f, 3.0f, 0.1f};
-    camera.forward = {0, -1, 0};
-    camera.right = {1, 0, 0};
-    camera.up = {0, 0, -1};
-    camera.yfov = 1e-4f;
-    scene.cameras.push_back(camera);
+    Scene scene = floorFromAbove(material, static_cast<float>(width) / 2.0f);
+    scene.meshes[0].uvs = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+    scene.cameras[0].eye = {0.1f, 3.0f, 0.1f};
     return scene;
 }
 

@@ -150,6 +150,20 @@ inline Scene variedRoom() {
     return scene;
 }
 
+/// A floor at y = 0 of 2 half on each side, under a camera straight above it, whose one pixel shows the origin.
+inline Scene floorFromAbove(const Material& material, float half = 4.0f) {
+    Scene scene;
+    addQuad(scene, {-half, 0, half}, {2 * half, 0, 0}, {0, 0, -2 * half}, material);
+    Camera camera;
+    camera.eye = {0.0f, 3.0f, 0.0f};
+    camera.forward = {0, -1, 0};
+    camera.right = {1, 0, 0};
+    camera.up = {0, 0, -1};
+    camera.yfov = 1e-4f;
+    scene.cameras.push_back(camera);
+    return scene;
+}
+
 /// A scene with all that rendering it takes.
 struct Stage {
     explicit Stage(Scene s, const std::string& accel = "bvh") : scene(std::move(s)), geometry(flatten(scene)) {
