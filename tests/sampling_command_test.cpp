@@ -97,6 +97,20 @@ TEST_F(SamplingCommand, TimeIsKeptAndTellsHowToMakeThePictureAgain) {
     EXPECT_EQ(timed.pixels, again.pixels);
 }
 
+TEST_F(SamplingCommand, TheReferenceHasTheSameFilters) {
+    for (const char* filter : {"tent", "gauss"}) {
+        const ProgramResult result = runProgram(
+            RAIG_PROGRAM, {"compare", RAIG_SOURCE_DIR "/assets/cornell_spheres.gltf", "--size", "32x32", "--spp", "8",
+                           "--filter", filter, "--quiet", "--json", "--fail-above", "rmse=1e-5"});
+        EXPECT_EQ(result.exitCode, 0) << result.errors << result.output;
+    }
+    Image own, given;
+    EXPECT_EQ(document({"--filter", "gauss"}, own)["filter"], "gauss");
+    EXPECT_EQ(document({}, given)["filter"], "box");
+    EXPECT_NE(own.pixels, given.pixels);
+    expectRefused({"--filter", "sinc"}, "box, tent or gauss");
+}
+
 TEST_F(SamplingCommand, WhatCannotBeIsRefusedInOneLine) {
     for (const char* value : {"0", "-1", "nan", "inf", "1e-400", "fine", "0.01x", "1/100"})
         expectRefused({std::string("--adaptive=") + value}, "an error above 0");

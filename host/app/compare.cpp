@@ -99,6 +99,7 @@ reference::Picture renderReference(const reference::World& world, const FrameOpt
     options.width = frame.width;
     options.height = frame.height;
     options.samples = frame.samples;
+    options.filter = frame.filter;
     options.camera = frame.camera;
     options.crop = frame.crop;
     options.aperture = frame.aperture;

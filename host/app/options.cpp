@@ -181,6 +181,7 @@ void addPicture(CLI::App& app, Options& options, uint32_t side) {
                                          "what contributes less is not traced, MIN_CONTRIB (default: 1/512)")
         ->type_name("X");
     addWholeNumber(app, "--spp", options.samples, 1, 65536, "samples a pixel");
+    addFilterOption(app, options);
 }
 
 void addPictureFile(CLI::App& app, Options& options, const std::string& description, bool required) {

@@ -71,6 +71,7 @@ struct Options {
     uint32_t maxDepth = 8;                 ///< NIVELL_MAX: levels of reflection and refraction below the primary ray
     double minContribution = 1.0 / 512.0;  ///< MIN_CONTRIB: no ray that contributes less is traced
     uint32_t samples = 0;                  ///< a pixel; 0: the command's own default
+    Filter filter = Filter::box;
 
     // Light, of the same.
     std::filesystem::path environment;  ///< a picture of what is where nothing is; empty: none

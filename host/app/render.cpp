@@ -116,6 +116,7 @@ Notes notesOf(const Options& options, const FrameOptions& frame, const Setup& se
                    {"Recursion", fmt::format("NIVELL_MAX {}, MIN_CONTRIB {}", frame.maxDepth, options.minContribution)},
                    {"Samples", samplingText(frame, picture)},
                    {"Structure", setup.structure.name}};
+    if (frame.filter != Filter::box) notes.emplace_back("Filter", nameOf(frame.filter));
     if (options.view) notes.emplace_back("Shows", typeOf(*options.view).name);
     if (options.moment.seconds) notes.emplace_back("Time", fmt::format("{} s", *options.moment.seconds));
     if (frame.aperture > 0.0f)
@@ -179,6 +180,7 @@ nlohmann::ordered_json toJson(const Setup& setup, const FrameOptions& frame, con
             {"height", frame.height},
             {"crop", {{"x", part.x}, {"y", part.y}, {"width", part.width}, {"height", part.height}}},
             {"samples", frame.samples},
+            {"filter", nameOf(frame.filter)},
             {"max_depth", frame.maxDepth},
             {"min_contribution", frame.minContribution},
             {"seed", frame.seed},

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 
 namespace raig {
@@ -17,6 +18,8 @@ constexpr uint32_t usualMost = 1024;
 constexpr uint32_t mostSamples = 65536;
 constexpr double shareForFiles = 0.04;  // of the time, to write the picture
 
+constexpr std::array<std::string_view, 3> filterNames = {"box", "tent", "gauss"};  // as Filter has them
+
 }  // namespace
 
 const char* const samplingHelp =
@@ -26,6 +29,22 @@ const char* const samplingHelp =
     "--time: the best picture within so many seconds, from the start on: with as many samples as go into it, up to\n"
     "--spp (default: 65536), and those where they are needed if --adaptive is given. How many depends on the machine; the\n"
     "file and --json say it, and --spp with that number gives the same picture, to the last bit.\n";
+
+std::string_view nameOf(Filter filter) {
+    return filterNames[static_cast<size_t>(filter)];
+}
+
+void addFilterOption(CLI::App& command, Options& options) {
+    const auto parse = [&options](const std::string& text) {
+        const auto found = std::ranges::find(filterNames, text);
+        if (found == filterNames.end()) throw usageError("--filter {}: box, tent or gauss is wanted", text);
+        options.filter = static_cast<Filter>(found - filterNames.begin());
+    };
+    command
+        .add_option_function<std::string>("--filter", parse,
+                                          "how a pixel weighs what is around its middle: box, tent or gauss (default: box)")
+        ->type_name("NAME");
+}
 
 void addSamplingOptions(CLI::App& command, Options& options) {
     const auto parse = [&options](const std::string& text) {

@@ -15,6 +15,10 @@ namespace raig {
 /// Adds --adaptive and --time. They throw usageError for what is no tolerance, or no time.
 void addSamplingOptions(CLI::App& command, Options& options);
 
+/// Adds --filter, of `compare`, too.
+void addFilterOption(CLI::App& command, Options& options);
+std::string_view nameOf(Filter filter);
+
 /// The lines of --help that tell what these options do to each other.
 extern const char* const samplingHelp;
 

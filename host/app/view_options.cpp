@@ -173,6 +173,7 @@ FrameOptions frameOptions(const Options& options, Scene& scene, uint32_t default
     frame.height = options.height;
     frame.crop = options.crop;
     frame.samples = options.samples ? options.samples : defaultSamples;
+    frame.filter = options.filter;
     frame.maxDepth = options.maxDepth;
     frame.minContribution = static_cast<float>(options.minContribution);
     frame.seed = options.seed;

@@ -37,6 +37,7 @@ struct FrameOptions {
     /// What that gives is the picture of FrameStatistics::samples without a deadline, to the last bit.
     std::optional<std::chrono::steady_clock::time_point> deadline{};
     double tolerance = 0.0;                   ///< > 0: pixels get samples until their error is less (rays/adaptive.hpp)
+    Filter filter = Filter::box;              ///< by which samples make up a pixel
     uint32_t maxDepth = 8;                    ///< NIVELL_MAX: reflections and refractions below the camera ray
     float minContribution = 1.0f / 512.0f;    ///< MIN_CONTRIB
     uint32_t seed = 0;

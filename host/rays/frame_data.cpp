@@ -204,6 +204,9 @@ void setView(const Scene& scene, const Geometry& geometry, const FrameOptions& o
 }
 
 uint32_t withOptions(uint32_t features, const FrameOptions& options) {
+    features &= ~(FEATURE_TENT | FEATURE_GAUSS);
+    if (options.filter == Filter::tent) features |= FEATURE_TENT;
+    if (options.filter == Filter::gauss) features |= FEATURE_GAUSS;
     return (features & ~FEATURE_LENS) | (options.aperture > 0.0f ? FEATURE_LENS : 0);
 }
 

@@ -33,6 +33,38 @@ dvec2 inDisk(const dvec2& square) {
     return radius * dvec2(std::cos(angle), std::sin(angle));
 }
 
+/// The share of Gauss's curve, of standard deviation 1, that is below x.
+double gaussBelow(double x) {
+    return 0.5 * std::erfc(-x / std::numbers::sqrt2);
+}
+
+/// The same of the triangle from -1 over 0 to 1.
+double tentBelow(double x) {
+    const double left = 1.0 - std::abs(x);
+    return x < 0.0 ? 0.5 * left * left : 1.0 - 0.5 * left * left;
+}
+
+/// Where below(x) == share, for a `below` that grows from less to more than that between -reach and reach: by halving.
+template <class Below>
+double placeWhere(const Below& below, double share, double reach) {
+    double low = -reach, high = reach;
+    for (int i = 0; i < 60; ++i) {
+        const double middle = 0.5 * (low + high);
+        (below(middle) < share ? low : high) = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+/// From the pixel's middle, where the filter's share below is `share`.
+double filterPlace(Filter filter, double share) {
+    switch (filter) {
+        case Filter::box: return share - 0.5;
+        case Filter::tent: return placeWhere(tentBelow, share, 1.0);
+        case Filter::gauss: return 0.5 * placeWhere(gaussBelow, 0.02425 + (1.0 - 2.0 * 0.02425) * share, 4.0);
+    }
+    return 0.0;
+}
+
 /// A pixel's mean radiance and discarded weight. `variant` counts the roundings; nothing: as it is.
 Radiance shadePixel(const World& world, const PictureOptions& options, const Nest& media, uint32_t px, uint32_t py,
                     std::optional<uint32_t> variant) {
@@ -67,7 +99,11 @@ Radiance shadePixel(const World& world, const PictureOptions& options, const Nes
 
 Ray cameraRay(const Camera& camera, const PictureOptions& options, uint32_t px, uint32_t py, uint32_t sample) {
     const double width = options.width, height = options.height;
-    const dvec2 place = options.samples == 1 ? dvec2(0.5) : sample2(py * options.width + px, sample, 0, options.bounds.seed);
+    dvec2 place(0.5);
+    if (options.samples > 1) {
+        const dvec2 square = sample2(py * options.width + px, sample, 0, options.bounds.seed);
+        place += dvec2(filterPlace(options.filter, square.x), filterPlace(options.filter, square.y));
+    }
     const dvec2 half = halfSize(camera, width / height);
     const double sx = (2.0 * (px + place.x) / width - 1.0) * half.x;
     const double sy = (1.0 - 2.0 * (py + place.y) / height) * half.y;

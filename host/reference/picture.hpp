@@ -14,6 +14,7 @@ struct PictureOptions {
     uint32_t height = 256;
     uint32_t samples = 1;  ///< a pixel, at most 65536
     uint32_t camera = 0;   ///< an index into Scene::cameras
+    Filter filter = Filter::box;
     Bounds bounds;
     std::optional<Crop> crop{};  ///< only this part of it
     double aperture = 0.0;       ///< diameter of the lens, in scene units; 0: a pinhole
@@ -32,7 +33,8 @@ struct Picture {
     std::vector<double> depth;        ///< of the deepest ray that was followed, the mean over a pixel's samples
 };
 
-/// The ray of a sample: through the pixel's centre if it is the only one, else through a stratified random place in it.
+/// The ray of a sample: through the pixel's centre if it is the only one, else through a stratified random place in it, or
+/// around it, as dense as the filter is there.
 /// Perspective or orthographic; the picture shows at least the height the camera asks for, and all of an orthographic frame.
 /// With an aperture, from a stratified random point of a thin lens, across the camera's axis around where the pinhole's ray
 /// starts, to where that meets the plane in focus; its numbers have dimension 3.

@@ -41,6 +41,13 @@ struct Crop {
     }
 };
 
+/// How what is seen around a pixel's middle counts in it.
+enum class Filter {
+    box,   ///< the pixel itself, evenly
+    tent,  ///< evenly less up to the middles of the pixels beside it
+    gauss  ///< standard deviation 1/2 pixel, cut off where 2.425 % of the curve are left on either side
+};
+
 /// Lets a headlight (a light that casts no shadows: completeScene adds such a one) shine where `camera` looks.
 void turnHeadlights(Scene& scene, const Camera& camera);
 
