@@ -31,12 +31,27 @@ vec2 crossing(Ray ray) {
     return (place * 0.5 + 0.5) * vec2(frame.width, frame.height) - vec2(frame.left, frame.top);
 }
 
-uvec2 itemAt(vec2 place) {
-    float scale = float(window.scale);
-    vec2 at = floor((place - vec2(0.0, window.firstRow)) * scale);
-    vec2 size = vec2(frame.partWidth, window.rows) * scale;
+// What is shown at an item of the window; NO_HINT where that does not reach.
+uvec2 itemAt(vec2 at) {
+    vec2 size = vec2(frame.partWidth, window.rows) * float(window.scale);
     bool inside = at.x >= 0.0 && at.y >= 0.0 && at.x < size.x && at.y < size.y;  // false for what is no number
-    return inside ? items[uint(at.y) * frame.partWidth * window.scale + uint(at.x)] : uvec2(NO_ITEM);
+    return inside ? items[uint(at.y) * frame.partWidth * window.scale + uint(at.x)] : uvec2(NO_HINT, 0u);
+}
+
+// Hints of the ray that crosses the picture there: each of the four nearest items once.
+void writeHints(uint ray, vec2 place) {
+    vec2 at = (place - vec2(0.0, window.firstRow)) * float(window.scale);
+    vec2 own = floor(at);
+    vec2 aside = vec2(at.x - own.x < 0.5 ? -1.0 : 1.0, at.y - own.y < 0.5 ? -1.0 : 1.0);
+    uvec2 found[HINTS_A_RAY] = uvec2[](itemAt(own), itemAt(own + vec2(aside.x, 0.0)), itemAt(own + vec2(0.0, aside.y)),
+                                       itemAt(own + aside));
+    uint kept = 0u;
+    for (uint k = 0u; k < HINTS_A_RAY; ++k) {
+        bool isNew = found[k].x != NO_HINT;
+        for (uint j = 0u; j < k; ++j) isNew = isNew && found[j] != found[k];
+        if (isNew) hints[HINTS_A_RAY * ray + kept++] = found[k];
+    }
+    for (; kept < HINTS_A_RAY; ++kept) hints[HINTS_A_RAY * ray + kept] = uvec2(NO_HINT, 0u);
 }
 
 void main() {
@@ -45,5 +60,8 @@ void main() {
     uint slot = slotList[now.listAt + i];
     bool fromCamera = false;
     if (slot != NO_SLOT) fromCamera = states[slot].depth == 0u;
-    hints[i] = fromCamera ? itemAt(crossing(rays[i])) : uvec2(NO_HINT);
+    if (fromCamera)
+        writeHints(i, crossing(rays[i]));
+    else
+        hints[HINTS_A_RAY * i].x = NO_HINT;
 }

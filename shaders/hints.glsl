@@ -1,26 +1,31 @@
-// What an item buffer says a ray meets first: tested before all else, the very test that the walk makes. Then the walk only
-// has to look as far as that: it proves that nothing is nearer, or finds it. So hits are those of a walk without hints.
+// What an item buffer says a ray may meet first: tested before all else, the very test that the walk makes. Then the walk
+// only has to look as far as that: it proves that nothing is nearer, or finds it. So hits are those of a walk without hints.
 //
-// Whoever includes this declares what trace.glsl asks for, and includes that and shared/items.glsl.
+// Whoever includes this declares what trace.glsl asks for, rayAt() and hints[] (HINTS_A_RAY each, those that there are
+// first), and includes trace.glsl and shared/items.glsl.
 
-// The hit on what `hint` names, as far as traceRay() can take it up without loss; none where the ray does not meet that.
-Hit hitOfHint(Ray ray, uvec2 hint) {
+// The nearest hit on what the hints of `ray` name, as far as traceRay() can take it up without loss; none where the ray meets
+// none of that.
+Hit hitOfHints(uint ray) {
     Hit none = Hit(0.0f, 0.0f, 0.0f, NO_HIT);
-    WalkRay world = prepareRay(ray, header.lo, header.hi, header.unit);
+    WalkRay world = prepareRay(rayAt(ray), header.lo, header.hi, header.unit);
     Hit best = bestSoFar(world, none);
-    if (hint.x < NO_HINT && world.valid) {
+    for (uint k = 0u; k < HINTS_A_RAY && hints[HINTS_A_RAY * ray + k].x != NO_HINT; ++k) {
+        uvec2 hint = hints[HINTS_A_RAY * ray + k];
+        if (hint.x < NO_HINT && world.valid) {
 #if RAIG_INSTANCED
-        StructureHeader whole = header;
-        inside.ray = world;
-        inside.best = best;
-        WalkRay local = enterInstance(hint.y, uint(int(whole.gridStep.y)) * INSTANCES_UNIT);
-        Hit found = Hit(localDistance(best.t), 0.0f, 0.0f, NO_HIT);
-        testTriangle(local, hint.x, found);
-        best = inside.best;
-        header = whole;
+            StructureHeader whole = header;
+            inside.ray = world;
+            inside.best = best;
+            WalkRay local = enterInstance(hint.y, uint(int(whole.gridStep.y)) * INSTANCES_UNIT);
+            Hit found = Hit(localDistance(best.t), 0.0f, 0.0f, NO_HIT);
+            testTriangle(local, hint.x, found);
+            best = inside.best;
+            header = whole;
 #else
-        testTriangle(world, hint.x, best);
+            testTriangle(world, hint.x, best);
 #endif
+        }
     }
     Hit hit = outside(world, best);
     bool kept = best.primitive != NO_HIT && distanceInside(world, header.unit, hit.t) == best.t;
@@ -40,4 +45,14 @@ uint primitiveOfHint(uvec2 hint) {
 #endif
     }
     return primitive;
+}
+
+// True if the ray has hints, and none names what it meets.
+bool hintsFailed(uint ray, Hit hit) {
+    bool named = hints[HINTS_A_RAY * ray].x == NO_HINT;
+    for (uint k = 0u; k < HINTS_A_RAY; ++k) {
+        uvec2 hint = hints[HINTS_A_RAY * ray + k];
+        named = named || (hint.x != NO_HINT && primitiveOfHint(hint) == hit.primitive);
+    }
+    return !named;
 }

@@ -41,7 +41,7 @@ class Hints {
 public:
     Hints(Device& device, ItemBuffer& items, Kernel& kernel, Commands& commands, const FrameParams& frame)
         : items_(items), kernel_(kernel), commands_(commands), frame_(frame),
-          hints_(device, sizeof(uvec2) * uint64_t{frame.slots}) {
+          hints_(device, sizeof(uvec2) * HINTS_A_RAY * uint64_t{frame.slots}) {
         items_.begin(frame_);
         kernel_.bind(12, hints_);
     }

@@ -68,7 +68,7 @@ double ItemBuffer::State::probe(const FrameParams& frame) {
     }
     // With hints that say nothing, as the kernel that takes hints is at hand.
     Buffer raysThere(device, rays.size() * sizeof(Ray)), hitsThere(device, rays.size() * sizeof(Hit));
-    Buffer hints(device, rays.size() * sizeof(uvec2));
+    Buffer hints(device, rays.size() * sizeof(uvec2) * HINTS_A_RAY);
     raysThere.uploadValues(std::span<const Ray>(rays));
     hints.fill(NO_HINT);
     const auto count = static_cast<uint32_t>(rays.size());
@@ -136,9 +136,9 @@ ItemBuffer::~ItemBuffer() = default;
 
 void ItemBuffer::begin(const FrameParams& frame) {
     const uint64_t pixels = uint64_t{frame.partWidth} * frame.partHeight;
+    const uint64_t wanted = frame.samples > 1 ? 4 * uint64_t{frame.samples} : 1;
     uint32_t scale = 1;
-    while (scale < mostScale && (scale + 1) * (scale + 1) <= frame.samples &&
-           pixels * (scale + 1) * (scale + 1) <= mostItems)
+    while (scale < mostScale && (scale + 1) * (scale + 1) <= wanted && pixels * (scale + 1) * (scale + 1) <= mostItems)
         ++scale;
     state_->window = {0, 0, scale, 0};
     state_->seconds = 0.0;
