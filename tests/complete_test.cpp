@@ -233,6 +233,12 @@ TEST(CompleteScene, GivesASunTheSkyAndTheFaintLightThatGoWithIt) {
     EXPECT_FLOAT_EQ(one.ambient.x, 0.03f);
     EXPECT_FLOAT_EQ(two.ambient.x, 0.06f);
     EXPECT_FLOAT_EQ(two.sky.zenith.z, 2.0f * one.sky.zenith.z);
+    ASSERT_EQ(one.lights.size(), 2u);
+    EXPECT_EQ(one.lights[1].direction, one.cameras[0].forward);
+    EXPECT_FLOAT_EQ(one.lights[1].intensity.x, 0.03f * 3.14159265f) << "seen face on, as bright as by the ambient light";
+    EXPECT_FALSE(one.lights[1].castsShadows);
+    lightByEnvironment(one, {});
+    EXPECT_EQ(one.lights.size(), 1u) << "the sun is the file's own";
 }
 
 TEST(CompleteScene, SceneWithNothingToSeeGetsACameraAllTheSame) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 namespace raig {
@@ -233,7 +234,18 @@ double sunlight(const Scene& scene) {
     return std::min(sum, 1e30);
 }
 
-/// What surfaces and the sky would add to the file's own light.
+/// A directional light of that irradiance along the camera. It casts no shadows, or a room's own walls would keep it out.
+Light headlightOf(const Scene& scene, double irradiance) {
+    Light headlight;
+    headlight.type = Light::Type::directional;
+    headlight.direction = scene.cameras.front().forward;
+    headlight.intensity = vec3(static_cast<float>(irradiance));
+    headlight.castsShadows = false;
+    return headlight;
+}
+
+/// What surfaces and the sky would add to the file's own light. Where no sun gets to, a headlight as faint as the ambient
+/// light shows shapes.
 void addEnvironment(Scene& scene) {
     scene.ambient = vec3(faintAmbient);
     const double sun = sunlight(scene);
@@ -241,22 +253,18 @@ void addEnvironment(Scene& scene) {
         scene.remarks.push_back(fmt::format("{}a faint ambient light ({}) is used", noEnvironment, faintAmbient));
         return;
     }
-    const auto scale = static_cast<float>(sun / 3.14159265);
+    const auto scale = static_cast<float>(sun / std::numbers::pi);
     scene.sky = {scale * daySky.zenith, scale * daySky.horizon, scale * daySky.ground};
     scene.ambient *= scale;
+    scene.lights.push_back(headlightOf(scene, std::numbers::pi * scene.ambient.x));
     scene.remarks.push_back(
-        fmt::format("{}a sky that goes with the sun, and a faint ambient light ({:.3g}) are used", noEnvironment,
-                    scene.ambient.x));
+        fmt::format("{}a sky that goes with the sun, a faint ambient light ({:.3g}) and a headlight as faint are used",
+                    noEnvironment, scene.ambient.x));
 }
 
 /// A directional light whose irradiance of pi makes a white diffuse surface that faces it exactly 1 bright, and a sky.
 void addLight(Scene& scene) {
-    Light headlight;
-    headlight.type = Light::Type::directional;
-    headlight.direction = scene.cameras.front().forward;
-    headlight.intensity = vec3(3.14159265f);
-    headlight.castsShadows = false;  // or a room's own walls would keep it out
-    scene.lights.push_back(headlight);
+    scene.lights.push_back(headlightOf(scene, std::numbers::pi));
     scene.sky = daySky;
     scene.ambient = vec3(0.12f);
     scene.remarks.emplace_back(noLight);
@@ -279,7 +287,8 @@ void completeScene(Scene& scene) {
 }
 
 void lightByEnvironment(Scene& scene, Environment environment) {
-    if (std::erase(scene.remarks, noLight) > 0) std::erase_if(scene.lights, [](const Light& l) { return !l.castsShadows; });
+    std::erase_if(scene.lights, [](const Light& light) { return !light.castsShadows; });
+    std::erase(scene.remarks, noLight);
     std::erase_if(scene.remarks, [](const std::string& remark) { return remark.starts_with(noEnvironment); });
     scene.sky = {};
     scene.ambient = vec3(0.0f);
