@@ -119,6 +119,15 @@ TEST(Media, OfSurfacesThatAreOpenInsideOutOrApartAreNotAskedFor) {
 }
 
 // What an absorbing ball of glass holds is seen through it; a ball beside it changes nothing.
+TEST(Media, BeyondTheFirst255AreUnknownAndCounted) {
+    Scene scene = whiteSky();
+    for (int i = 0; i < 300; ++i) addSphere(scene, vec3(0), 1.0f + 0.01f * i, 4, false, glass(1.1f + 0.001f * i));
+    const Media media = findMedia(scene, flatten(scene));
+    EXPECT_TRUE(media.nests);
+    EXPECT_EQ(media.openMaterials, 45u);
+    EXPECT_EQ(std::ranges::count(media.ofMaterial, 0), 45);
+}
+
 TEST(Media, AreAbsorbedByWhereLightRunsNotByWhatItMeets) {
     Scene scene = whiteSky();
     scene.sky = {};

@@ -146,8 +146,8 @@ void describe(const Picture& picture, const FrameOptions& frame, const Discarded
     log::note("discarded weight: {:.2e} on average, {:.2e} at worst, in pixel ({}, {})", discarded.mean, discarded.worst,
               part.x + discarded.worstPixel % part.width, part.y + discarded.worstPixel / part.width);
     if (s.openMaterials > 0)
-        log::note("remark: {} materials of glass that other things lie in or about are not closed: each is taken to part "
-                  "what is around it from what it holds, whatever lies in it",
+        log::note("remark: {} materials of glass that other things lie in or about are not closed, or beyond the first 255: "
+                  "each is taken to part what is around it from what it holds, whatever lies in it",
                   s.openMaterials);
     if (s.forgottenMedia > 0)
         log::warn("rays were in more than 4 things of glass at once, {} times: the outermost was forgotten",

@@ -183,11 +183,8 @@ void keepClosed(const Geometry& geometry, Media& media) {
     });
     for (size_t i = 0; i < closed.size(); ++i)
         if (closed[i] == 0) isOpen[media.volumes[i].medium] = 1;
-    for (uint8_t& medium : media.ofMaterial) {
-        if (isOpen[medium] == 0) continue;
-        medium = 0;
-        ++media.openMaterials;
-    }
+    for (uint8_t& medium : media.ofMaterial)
+        if (isOpen[medium] != 0) medium = 0;
     std::erase_if(media.volumes, [&](const Media::Volume& volume) { return isOpen[volume.medium] != 0; });
 }
 
@@ -202,6 +199,8 @@ Media findMedia(const Scene& scene, const Geometry& geometry) {
     media.volumes = volumes;
     std::erase_if(media.volumes, [](const Media::Volume& volume) { return volume.medium == 0; });
     keepClosed(geometry, media);
+    for (size_t i = 0; i < scene.materials.size(); ++i)
+        media.openMaterials += media.ofMaterial[i] == 0 && isVolume(surfaceOf(scene.materials[i]));
     media.nests = !media.volumes.empty();
     return media;
 }
