@@ -63,6 +63,29 @@ TEST_F(SamplingCommand, AdaptiveTellsWhatItSpentAndWhatIsUnsettled) {
     EXPECT_EQ(adaptive.pixels, uniform.pixels) << "whoever asks for nothing gets the first samples";
 }
 
+// Few samples do where light comes from points; soft light, or a lens, gets as many as it needs.
+TEST_F(SamplingCommand, WithNothingSaidSamplesAreAsManyAsLightAsksFor) {
+    Image usual, given;
+    const auto soft = document({}, usual);
+    EXPECT_EQ(soft["tolerance"], 0.03);
+    EXPECT_EQ(soft["samples"], 64);
+    document({"--adaptive", "0.03", "--spp", "64"}, given);
+    EXPECT_EQ(usual.pixels, given.pixels);
+    EXPECT_EQ(document({"--spp", "4"}, given)["samples_a_pixel"]["mean"], 4.0);
+    EXPECT_FALSE(document({"--time", "0.5"}, given).contains("tolerance"));
+
+    const auto mesh = folder.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").string();
+    const auto documentOf = [&](std::vector<std::string> arguments) {
+        const std::vector<std::string> all{"render", mesh,       "-o",  folder.write("mesh.pfm", "").string(),
+                                           "--size", "8x8", "--json", "--device", "cpu", "--quiet"};
+        arguments.insert(arguments.begin(), all.begin(), all.end());
+        return nlohmann::json::parse(runProgram(RAIG_PROGRAM, arguments).output);
+    };
+    EXPECT_EQ(documentOf({})["samples"], 4) << "a headlight";
+    EXPECT_FALSE(documentOf({}).contains("tolerance"));
+    EXPECT_EQ(documentOf({"--aperture", "0.1"})["tolerance"], 0.03);
+}
+
 TEST_F(SamplingCommand, TheFileSaysHowItWasMade) {
     const std::string file = folder.write("picture.png", "").string();
     const ProgramResult result = render(file, {"--adaptive", "0.05", "--spp", "64", "--seed", "3"});

@@ -49,8 +49,8 @@ bool isWanted(const Options& options, Aov aov) {
 }
 
 FrameOptions frameOptionsOf(const Options& options, Clock::time_point start, Scene& scene) {
-    FrameOptions frame = frameOptions(options, scene, defaultSamples(options));
-    setSampling(options, start, frame);
+    FrameOptions frame = frameOptions(options, scene, usualSamples);
+    setSampling(options, scene, start, frame);
     frame.keepsLevels = isWanted(options, Aov::level);
     frame.countsCosts = isWanted(options, Aov::cost);
     return frame;

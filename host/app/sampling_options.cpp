@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "rays/adaptive.hpp"
+#include "scene/import.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -13,12 +14,17 @@ namespace raig {
 
 namespace {
 
-constexpr uint32_t usualSamples = 4;
 constexpr uint32_t usualMost = 1024;
+constexpr double usualTolerance = 0.03;  // where few samples leave noise ...
+constexpr uint32_t usualMostOfThose = 64;
 constexpr uint32_t mostSamples = 65536;
 constexpr double shareForFiles = 0.04;  // of the time, to write the picture
 
 constexpr std::array<std::string_view, 3> filterNames = {"box", "tent", "gauss"};  // as Filter has them
+
+bool leavesNoise(const Options& options, const Scene& scene) {
+    return options.aperture > 0.0f || scene.environment || emitsLight(scene);
+}
 
 }  // namespace
 
@@ -26,6 +32,8 @@ const char* const samplingHelp =
     "--adaptive: each pixel gets 8 samples, and twice as many again and again while its error is estimated to be above\n"
     "the tolerance, up to --spp (default: 1024). Errors are root mean squares in linear light, whatever the exposure; the\n"
     "picture's is about the tolerance. --view samples shows where samples went.\n"
+    "Without --spp, --adaptive and --time: 4 samples a pixel; where light is soft (lamps with a size, an environment) or a\n"
+    "lens blurs, as by --adaptive 0.03 --spp 64.\n"
     "--time: the best picture within so many seconds, from the start on: with as many samples as go into it, up to\n"
     "--spp (default: 65536), and those where they are needed if --adaptive is given. How many depends on the machine; the\n"
     "file and --json say it, and --spp with that number gives the same picture, to the last bit.\n";
@@ -78,15 +86,20 @@ void checkSamplingOptions(const Options& options) {
                          options.samples, firstSamples, firstSamples);
 }
 
-uint32_t defaultSamples(const Options& options) {
-    if (options.seconds) return mostSamples;
-    return options.tolerance > 0.0 ? usualMost : usualSamples;
-}
-
-void setSampling(const Options& options, std::chrono::steady_clock::time_point start, FrameOptions& frame) {
+void setSampling(const Options& options, const Scene& scene, std::chrono::steady_clock::time_point start,
+                 FrameOptions& frame) {
     const std::chrono::duration<double> time(options.seconds.value_or(0.0) * (1.0 - shareForFiles));
     if (options.seconds) frame.deadline = start + std::chrono::duration_cast<std::chrono::steady_clock::duration>(time);
     frame.tolerance = options.tolerance;
+    if (options.samples > 0) return;
+    if (options.seconds) {
+        frame.samples = mostSamples;
+    } else if (options.tolerance > 0.0) {
+        frame.samples = usualMost;
+    } else if (leavesNoise(options, scene)) {
+        frame.samples = usualMostOfThose;
+        frame.tolerance = usualTolerance;
+    }
 }
 
 SampleCounts countSamples(const FrameOptions& frame, const Picture& picture) {

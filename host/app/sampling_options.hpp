@@ -25,11 +25,13 @@ extern const char* const samplingHelp;
 /// Throws usageError for fewer samples than errors can be estimated from.
 void checkSamplingOptions(const Options& options);
 
-/// Samples a pixel, or the most of them, where --spp is not given.
-uint32_t defaultSamples(const Options& options);
+/// Samples a pixel where nothing else is said.
+constexpr uint32_t usualSamples = 4;
 
-/// Puts what is asked for into `frame`. Time counts from `start` on.
-void setSampling(const Options& options, std::chrono::steady_clock::time_point start, FrameOptions& frame);
+/// Puts what is asked for into `frame`, whose samples are --spp or usualSamples. Time counts from `start` on. Where nothing is
+/// asked for, and so few samples would leave noise (soft light, a lens), there are more, where they are needed.
+void setSampling(const Options& options, const Scene& scene, std::chrono::steady_clock::time_point start,
+                 FrameOptions& frame);
 
 /// How many samples the pixels of a picture have.
 struct SampleCounts {

@@ -147,21 +147,6 @@ Subject findSubject(const Scene& scene, const dvec3& towardsEye) {
     return subject;
 }
 
-bool emits(const Scene& scene) {
-    std::vector<bool> emitting;
-    for (const Material& material : scene.materials)
-        emitting.push_back(glm::any(glm::greaterThan(material.emission, vec3(0.0f))));
-    std::vector<bool> isDone(scene.meshes.size(), false);
-    return std::ranges::any_of(scene.instances, [&](const Instance& instance) {
-        if (isDone[instance.mesh]) return false;
-        isDone[instance.mesh] = true;
-        const Mesh& mesh = scene.meshes[instance.mesh];
-        // Spheres glow, but light nothing.
-        const auto ofTriangles = std::span(mesh.materials).first(mesh.triangles.size());
-        return std::ranges::any_of(ofTriangles, [&](uint32_t index) { return emitting[index]; });
-    });
-}
-
 /// The sum of the areas of all front faces, as a vector: 0 for closed surfaces, else what faces the openings.
 dvec3 sumOfFaces(const Scene& scene, double& area) {
     dvec3 sum(0.0);
@@ -197,7 +182,7 @@ std::optional<dvec3> findOpening(const Scene& scene) {
 }
 
 void addCamera(Scene& scene) {
-    const bool isLit = !scene.lights.empty() || emits(scene);
+    const bool isLit = !scene.lights.empty() || emitsLight(scene);
     const std::optional<dvec3> opening = isLit ? findOpening(scene) : std::nullopt;
     const dvec3 towardsEye = opening.value_or(threeQuarters);
     Subject subject = findSubject(scene, towardsEye);
@@ -272,6 +257,21 @@ void addLight(Scene& scene) {
 
 }  // namespace
 
+bool emitsLight(const Scene& scene) {
+    std::vector<bool> emitting;
+    for (const Material& material : scene.materials)
+        emitting.push_back(glm::any(glm::greaterThan(material.emission, vec3(0.0f))));
+    std::vector<bool> isDone(scene.meshes.size(), false);
+    return std::ranges::any_of(scene.instances, [&](const Instance& instance) {
+        if (isDone[instance.mesh]) return false;
+        isDone[instance.mesh] = true;
+        const Mesh& mesh = scene.meshes[instance.mesh];
+        // Spheres glow, but light nothing.
+        const auto ofTriangles = std::span(mesh.materials).first(mesh.triangles.size());
+        return std::ranges::any_of(ofTriangles, [&](uint32_t index) { return emitting[index]; });
+    });
+}
+
 void completeScene(Scene& scene) {
     checkPrimitiveCount(scene);
     if (scene.materials.empty()) {
@@ -279,7 +279,7 @@ void completeScene(Scene& scene) {
         scene.remarks.emplace_back("no material: a diffuse grey is used");
     }
     if (scene.cameras.empty()) addCamera(scene);
-    if (scene.lights.empty() && !emits(scene)) {
+    if (scene.lights.empty() && !emitsLight(scene)) {
         addLight(scene);
     } else {
         addEnvironment(scene);

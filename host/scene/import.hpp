@@ -75,6 +75,9 @@ Scene importStl(const std::filesystem::path& path);   ///< ASCII and binary (sce
 /// Throws limitError as checkPrimitiveCount does.
 void completeScene(Scene& scene);
 
+/// True if a triangle that an instance shows emits light. O(instances and triangles).
+bool emitsLight(const Scene& scene);
+
 /// Puts `environment` in the place of all that a completed scene got for want of one: sky, ambient light, headlight.
 void lightByEnvironment(Scene& scene, Environment environment);
 
