@@ -6,7 +6,8 @@
 // The share of the light that falls in along the normal which a surface sends on in any way: what is scattered and
 // mirrored, or, of a surface that lets light through, scattered and let through of what Fresnel's law does not reflect.
 vec3 albedoOf(SurfacePoint p) {
-    precise vec3 opaque = p.mirror + (vec3(1.0f) - p.mirror) * p.diffuse;
+    precise vec3 opaque =
+        vec3((1.0f - p.metallic) * p.dielectric) + p.metallic * p.metal + (1.0f - p.dielectric) * p.diffuse;
     precise vec3 clear = p.diffuse + p.through;
     return p.transmissive ? clear : opaque;
 }

@@ -91,10 +91,10 @@ ShadowRay environmentRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key)
     precise float distance_ = sqrt(squared);
     precise vec3 l = q / distance_;
     precise float cosine = dot(p.shading, l);
-    if (!(dot(p.normal, l) > 0.0f && cosine > 0.0f)) return noShadowRay();
+    if (!(canReach(p, l) && cosine > 0.0f)) return noShadowRay();
 
     precise float probability = float(ofRow) * (1.0f / 16777216.0f) * (float(ofColumn) * (1.0f / 16777216.0f));
     precise float density = probability * (0.25f * side * side) * (squared * distance_);
     precise vec3 light = cosine / density * xyzOf(scene_at(frame.environmentAt + texel));
-    return ShadowRay(Ray(spawnOrigin(p.at, p.normal), 0.0f, l, FAR_AWAY), light);
+    return ShadowRay(Ray(shadowOrigin(p), 0.0f, l, FAR_AWAY), light, l);
 }

@@ -4,6 +4,7 @@
 #include "camera.glsl"
 #include "texture.glsl"
 #include "surface.glsl"
+#include "lobe.glsl"
 #include "media.glsl"
 #include "fresnel.glsl"
 #include "lights.glsl"

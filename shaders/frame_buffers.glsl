@@ -17,13 +17,13 @@ layout(set = 0, binding = 3, std430) buffer StateBlock { PathState states[]; };
 layout(set = 0, binding = 4, std430) buffer RayBlock { Ray rays[]; };
 layout(set = 0, binding = 5, std430) readonly buffer HitBlock { Hit hits[]; };
 layout(set = 0, binding = 6, std430) buffer PendingBlock { PendingRay pending[]; };
-layout(set = 0, binding = 7, std430) writeonly buffer ShadowRayBlock { Ray shadowRays[]; };
+layout(set = 0, binding = 7, std430) buffer ShadowRayBlock { Ray shadowRays[]; };
 layout(set = 0, binding = 8, std430) readonly buffer ShadowHitBlock { Hit shadowHits[]; };
 layout(set = 0, binding = 9, std430) buffer ContributionBlock { vec4 contributions[]; };
 layout(set = 0, binding = 10, std430) writeonly buffer ResultBlock { PixelResult results[]; };
 RAIG_ARRAY(scene, 11)
 
-const bool BRANCHES = (FEATURES & (FEATURE_MIRRORS | FEATURE_TRANSMISSION)) != 0u;
+const bool BRANCHES = (FEATURES & (FEATURE_MIRRORS | FEATURE_TRANSMISSION | FEATURE_COVERAGE)) != 0u;
 
 layout(push_constant) uniform Push { TileStep now; };
 

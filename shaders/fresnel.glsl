@@ -1,11 +1,13 @@
 // How a surface splits light into reflected (K_R), transmitted (K_T) and scattered, and where the first two go.
 //
-// Whoever includes this includes surface.glsl and media.glsl before it.
+// Whoever includes this includes surface.glsl, lobe.glsl and media.glsl before it.
 
 struct Split {
     vec3 reflected;       // weight of the reflected ray
     vec3 transmitted;     // weight of the transmitted ray
     vec3 diffuse;         // reflectance of what is scattered
+    vec3 rough;           // of light from everywhere, what is mirrored but not brought by the reflected ray
+    Lobe lobe;            // what mirrors that, and all of lights without size
     vec3 reflectedWay;    // unit directions
     vec3 transmittedWay;
 };
@@ -67,23 +69,45 @@ Split splitByFresnel(vec3 d, float cosI, SurfacePoint p, Crossing crossing) {
         if (nowhere) reflectance = 1.0f;
     }
     precise float rest = 1.0f - reflectance;
-    return Split(vec3(reflectance), rest * p.through, rest * p.diffuse, reflectedDirection(d, p), way);
+    Lobe lobe = noLobe();
+    if ((FEATURES & FEATURE_LOBES) != 0u && (p.front || p.thin)) lobe = lobeOf(p, 1.0f);
+    return Split(vec3(reflectance), rest * p.through, rest * p.diffuse, vec3(0.0f), lobe, reflectedDirection(d, p), way);
 }
 
-// How light that comes along a ray of unit direction d is split at p. Ensures reflected + diffuse <= 1 for an opaque
+// How light that comes along a ray of unit direction d is split at p. Ensures reflected + rough + diffuse <= 1 for an opaque
 // surface.
 // Source: Whitted 1980, "An Improved Illumination Model for Shaded Display"; Schlick 1994, "An Inexpensive BRDF Model for
 // Physically-based Rendering" (growth of an opaque surface's reflection towards grazing).
 Split splitAt(vec3 d, SurfacePoint p, Crossing crossing) {
     precise float cosI = -dot(d, p.shading);
-    precise float c = 1.0f - min(cosI, 1.0f);
-    precise float k = c * c * c * c * c;
-    precise vec3 mirror = p.mirror + (vec3(p.gloss) - p.mirror) * k;
-    vec3 reflected = p.gloss > 0.0f ? mirror : vec3(0.0f);
-    precise vec3 diffuse = (vec3(1.0f) - reflected) * p.diffuse;
-    Split split = Split(reflected, vec3(0.0f), diffuse, vec3(0.0f), d);
+    vec3 reflected = vec3(0.0f);
+    float mirrored = 0.0f;  // by the dielectric, in any way
+    if ((FEATURES & FEATURE_MIRRORS) != 0u) {
+        precise float c = 1.0f - min(cosI, 1.0f);
+        precise float k = c * c * c * c * c;
+        precise float ofDielectric = p.gloss * (p.dielectric + (p.grazing - p.dielectric) * k);
+        precise vec3 ofMetal = p.gloss * (p.metal + (vec3(1.0f) - p.metal) * k);
+        precise vec3 both = (1.0f - p.metallic) * vec3(ofDielectric) + p.metallic * ofMetal;
+        reflected = both;
+        mirrored = ofDielectric;
+    }
+    vec3 rough = vec3(0.0f);
+    Lobe lobe = noLobe();
+    if ((FEATURES & FEATURE_LOBES) != 0u) {
+        vec2 albedo = lobeAlbedo(clamp(cosI, 0.0f, 1.0f), p.roughness);
+        lobe = lobeOf(p, albedo.x);
+        precise float left = 1.0f - p.gloss;
+        precise vec3 all = left * (lobe.along * (albedo.x - albedo.y) + lobe.grazing * albedo.y);
+        precise float gained = 1.0f + p.dielectric * ((1.0f - albedo.x) / albedo.x);
+        precise float both = mirrored + left * gained * (p.dielectric * (albedo.x - albedo.y) + p.grazing * albedo.y);
+        rough = all;
+        mirrored = both;
+    }
+    // Only what the dielectric does not mirror gets to its coloured inside; a metal has none.
+    precise vec3 diffuse = (1.0f - mirrored) * p.diffuse;
+    Split split = Split(reflected, vec3(0.0f), diffuse, rough, lobe, vec3(0.0f), d);
     if (crossing.hidden) {
-        split = Split(vec3(0.0f), vec3(1.0f), vec3(0.0f), vec3(0.0f), d);
+        split = Split(vec3(0.0f), vec3(1.0f), vec3(0.0f), vec3(0.0f), noLobe(), vec3(0.0f), d);
     } else if (p.transmissive) {
         split = splitByFresnel(d, cosI, p, crossing);
     } else if ((FEATURES & FEATURE_MIRRORS) != 0u) {

@@ -58,6 +58,7 @@ bool moveOn(uint i, uint slot, INOUT(Ray) next) {
         states[slot].sum = state.sum;
         states[slot].sampleIndex = state.sampleIndex;
         if (BRANCHES && (FEATURES & FEATURE_TEXTURES) != 0u) states[slot].travelled = state.travelled;
+        if ((FEATURES & FEATURE_COVERAGE) != 0u) states[slot].passes = state.passes;
         if (BRANCHES) {
             states[slot].weight = state.weight;
             states[slot].depth = state.depth;

@@ -60,6 +60,8 @@ void main() {
     uint slot = slotList[now.listAt + i];
     bool fromCamera = false;
     if (slot != NO_SLOT) fromCamera = states[slot].depth == 0u;
+    // The rest of a ray begins behind what the buffer shows.
+    if ((FEATURES & FEATURE_COVERAGE) != 0u && fromCamera) fromCamera = states[slot].passes == 0u;
     if (fromCamera)
         writeHints(i, crossing(rays[i]));
     else

@@ -7,9 +7,31 @@
 struct ShadowRay {
     Ray ray;
     vec3 light;
+    vec3 towards;  // unit, to where it comes from
 };
 
-ShadowRay noShadowRay() { return ShadowRay(noRay(), vec3(0.0f)); }
+ShadowRay noShadowRay() { return ShadowRay(noRay(), vec3(0.0f), vec3(0.0f)); }
+
+bool isLifted(SurfacePoint p) {
+    return p.lift.x != 0.0f || p.lift.y != 0.0f || p.lift.z != 0.0f;
+}
+
+// Where the shadow rays of a point start from: the point, or the smooth surface above it.
+vec3 shadowOrigin(SurfacePoint p) {
+    if ((FEATURES & FEATURE_NORMALS) == 0u) return spawnOrigin(p.at, p.normal);
+    precise vec3 position = p.at.position + p.lift;
+    precise vec3 error = p.at.error + 5.9604648e-8f * abs(position);
+    return spawnOrigin(isLifted(p) ? BoundedPoint(position, p.at.blur, error) : p.at, p.normal);
+}
+
+// True if light from direction l can reach the point's side: that of the smooth surface, which no normal texture bends, and
+// that of the triangle. Where the smooth surface lies above the triangle light may come from under the triangle's plane, too:
+// whether the triangle itself is in its way its ray finds out.
+bool canReach(SurfacePoint p, vec3 l) {
+    bool above = dot(p.normal, l) > 0.0f;
+    if ((FEATURES & FEATURE_NORMALS) == 0u) return above;
+    return dot(p.smooth_, l) > 0.0f && (above || isLifted(p));
+}
 
 // The irradiance that distance and direction leave of a point or spot light (element `at`); `l` points to it.
 // Source: KHR_lights_punctual (falloff by range and by cone).
@@ -42,18 +64,18 @@ ShadowRay lightRay(SurfacePoint p, uint j) {
     precise vec3 towards = v / sqrt(squaredDistance);
     vec3 l = type == LIGHT_DIRECTIONAL ? -xyzOf(scene_at(at + 1u)) : towards;
     precise float cosine = dot(p.shading, l);
-    if (!(dot(p.normal, l) > 0.0f && cosine > 0.0f)) return noShadowRay();
+    if (!(canReach(p, l) && cosine > 0.0f)) return noShadowRay();
 
     vec3 arriving = type == LIGHT_DIRECTIONAL ? xyzOf(scene_at(at + 2u)) : punctualLight(at, type, l, squaredDistance);
     precise vec3 light = cosine * arriving;
     if (!(largestOf(light) > 0.0f)) return noShadowRay();
 
-    vec3 origin = spawnOrigin(p.at, p.normal);
+    vec3 origin = shadowOrigin(p);
     precise vec3 all = xyzOf(position) - origin;
     // A ray of no length meets nothing: so asks for a light that casts no shadows.
     float reach = scene_at(at + 3u).y != 0u ? 1.0f : 0.0f;
-    if (type == LIGHT_DIRECTIONAL) return ShadowRay(Ray(origin, 0.0f, l, FAR_AWAY * reach), light);
-    return ShadowRay(Ray(origin, 0.0f, all, reach), light);
+    if (type == LIGHT_DIRECTIONAL) return ShadowRay(Ray(origin, 0.0f, l, FAR_AWAY * reach), light, l);
+    return ShadowRay(Ray(origin, 0.0f, all, reach), light, l);
 }
 
 // The emitter that number x in [0, 1) picks: the first whose cumulated probability exceeds it.
@@ -86,6 +108,7 @@ ShadowRay emitterRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key) {
     precise float b2 = r * square.y;
     precise float b0 = 1.0f - b1 - b2;
     vec3 emission = emissionAt(facet.triangle, vec3(b0, b1, b2), 0.0f, 0.0f);
+    if ((FEATURES & FEATURE_COVERAGE) != 0u) emission = coverageAt(facet.triangle, vec3(b0, b1, b2)) * emission;
     BoundedPoint q = pointOf(corners.a, corners.b, corners.c, b1, b2);
     precise vec3 v = q.position - p.at.position;
     precise float squaredDistance = dot(v, v);
@@ -94,14 +117,14 @@ ShadowRay emitterRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key) {
     vec3 facing = faceNormal(corners.a, corners.b, corners.c, -l);
     precise float cosineThere = -dot(facing, l);
     if (cosineThere < 0.0f) facing = -facing;
-    bool lit = squaredDistance > 0.0f && dot(p.normal, l) > 0.0f && cosine > 0.0f && cosineThere != 0.0f;
+    bool lit = squaredDistance > 0.0f && canReach(p, l) && cosine > 0.0f && cosineThere != 0.0f;
     if (!lit) return noShadowRay();
 
     precise float probability = uintBitsToFloat(emitter.x) - below;
     precise float density = probability / uintBitsToFloat(emitter.z);
     precise float geometry = cosine * abs(cosineThere) / squaredDistance / density;
     precise vec3 light = geometry * emission;
-    vec3 origin = spawnOrigin(p.at, p.normal);
+    vec3 origin = shadowOrigin(p);
     precise vec3 all = spawnOrigin(seenFrom(q, v), facing) - origin;
-    return ShadowRay(Ray(origin, 0.0f, all, 1.0f), light);
+    return ShadowRay(Ray(origin, 0.0f, all, 1.0f), light, l);
 }

@@ -40,7 +40,7 @@ void putAll(PathState s) {
 
 void putAll(PendingRay s) {
     put(s.origin); put(s.depth); put(s.direction); put(s.key); put(s.weight); put(s.media);
-    put(s.travelled); put(s.passes); put(s.unused0); put(s.unused1);
+    put(s.travelled); put(s.passes); put(s.begin); put(s.unused);
 }
 
 void putAll(PixelResult s) {

@@ -10,6 +10,7 @@ Ray beginSample(INOUT(PathState) state) {
     state.pendingCount = 0u;
     state.media = frame.eyeMedia;
     state.travelled = 0.0f;
+    state.passes = 0u;
     return cameraRay(state.pixel, state.sampleIndex);
 }
 
@@ -28,7 +29,23 @@ void follow(uint slot, INOUT(PathState) state, vec3 origin, vec3 direction, vec3
         state.discarded += largest;
     } else if (largest > 0.0f) {
         pending[state.pendingCount * frame.slots + slot] =
-            PendingRay(origin, state.depth + 1u, direction, key, weight, media, state.travelled, 0u, 0u, 0u);
+            PendingRay(origin, state.depth + 1u, direction, key, weight, media, state.travelled, state.passes, 0.0f, 0u);
+        state.pendingCount += 1u;
+    }
+}
+
+// Puts off the rest of `ray` beyond a surface at distance t that it passes straight through: as deep as before, but no more
+// than MOST_PASSES such surfaces since the camera. It is the same ray, which only begins later: so it meets all that it would
+// have met, to the bit, but the surface. Requires the rays that follow() puts off at the same surface to be put off after it:
+// then what waits is at most one ray of each depth, and two of the last, so that room for maxDepth + 1 rays will do here, too.
+void passOn(uint slot, INOUT(PathState) state, Ray ray, float t, vec3 weight, uint key, uint media) {
+    float largest = largestOf(weight);
+    if (state.passes >= MOST_PASSES || largest < frame.minContribution) {
+        state.discarded += largest;
+    } else if (largest > 0.0f) {
+        pending[state.pendingCount * frame.slots + slot] =
+            PendingRay(ray.origin, state.depth, ray.direction, key, weight, media, state.travelled, state.passes + 1u,
+                       nextFloat(t, 1.0f), 0u);
         state.pendingCount += 1u;
     }
 }
@@ -42,6 +59,7 @@ Ray takeUp(uint slot, INOUT(PathState) state) {
     state.key = next.key;
     state.media = next.media;
     state.travelled = next.travelled;
+    state.passes = next.passes;
     state.deepest = max(state.deepest, next.depth);
-    return Ray(next.origin, 0.0f, next.direction, FAR_AWAY);
+    return Ray(next.origin, next.begin, next.direction, FAR_AWAY);
 }

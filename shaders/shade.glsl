@@ -3,18 +3,36 @@
 // Whoever includes this declares `frame`, `now`, slotList[], states[], rays[], hits[], pending[], shadowRays[] and
 // contributions[] before it, and includes the rest of the frame's code.
 
+// How irradiance at a point counts in the pixel: by `scattered`, and by what `lobe` sends back times `weight`.
+struct Direct {
+    vec3 scattered;
+    vec3 weight;
+    Lobe lobe;
+};
+
 // Emission, absorption, ambient light; reflected and transmitted rays are put off, the reflected one to be taken up first.
-// Returns the weight of direct light: what its irradiance is multiplied by in the pixel.
-vec3 shadeSurface(uint slot, Ray ray, Hit hit, SurfacePoint p, INOUT(PathState) state) {
+// Returns how light that arrives directly counts in the pixel.
+Direct shadeSurface(uint slot, Ray ray, Hit hit, SurfacePoint p, INOUT(PathState) state) {
     Crossing crossing = crossingAt(p, state.media);
-    if (crossing.absorbs) state.weight = state.weight * absorbed(crossing.absorption, hit.t);
+    if (crossing.absorbs) state.weight = state.weight * absorbed(crossing.absorption, hit.t - ray.tMin);
     state.forgotten += crossing.forgets ? 1u : 0u;
+    if ((FEATURES & FEATURE_COVERAGE) != 0u && !crossing.hidden) {
+        precise vec3 rest = (1.0f - p.coverage) * state.weight;
+        passOn(slot, state, ray, hit.t, rest, 2u * state.key + 2u, crossing.beyond);
+        precise vec3 kept = p.coverage * state.weight;
+        state.weight = kept;
+    }
     precise vec3 emitted = state.sum + state.weight * p.emission;
     if (!crossing.hidden) state.sum = emitted;
 
     Split split = splitAt(ray.direction, p, crossing);
     precise vec3 scattered = state.weight * split.diffuse;
-    precise vec3 ambient = state.sum + scattered * (p.openness * frame.ambient);
+    vec3 everywhere = scattered;
+    if ((FEATURES & FEATURE_LOBES) != 0u) {
+        precise vec3 both = state.weight * (split.diffuse + split.rough);
+        everywhere = both;
+    }
+    precise vec3 ambient = state.sum + everywhere * (p.openness * frame.ambient);
     state.sum = ambient;
     precise float travelled = state.travelled + hit.t;
     state.travelled = travelled;
@@ -29,11 +47,19 @@ vec3 shadeSurface(uint slot, Ray ray, Hit hit, SurfacePoint p, INOUT(PathState) 
                crossing.within);
     }
     precise vec3 direct = scattered * 0.318309886f;
-    return direct;
+    return Direct(direct, state.weight, split.lobe);
 }
 
-void storeShadowRay(uint index, ShadowRay shadow, vec3 direct, INOUT(PathState) state) {
-    precise vec3 contribution = direct * shadow.light;
+// `share` of what the lobe sends towards the eye is asked for, with an a of at least `least`: see lobe.glsl.
+void storeShadowRay(uint index, ShadowRay shadow, SurfacePoint p, vec3 towardsEye, Direct direct, float share, float least,
+                    INOUT(PathState) state) {
+    vec3 value = direct.scattered;
+    if ((FEATURES & FEATURE_LOBES) != 0u && largestOf(shadow.light) > 0.0f) {
+        vec3 mirrored = lobeTowards(direct.lobe, p.shading, p.roughness, towardsEye, shadow.towards, least);
+        precise vec3 both = value + (share * direct.weight) * mirrored;
+        value = both;
+    }
+    precise vec3 contribution = value * shadow.light;
     bool asked = largestOf(contribution) > 0.0f;
     if (!asked) shadow = noShadowRay();
     state.shadowRays += asked ? 1u : 0u;
@@ -51,7 +77,7 @@ void shade(uint i) {
     if (working) state = states[slot];
     Ray ray = rays[i];
     Hit hit = hits[i];
-    vec3 direct = vec3(0.0f);
+    Direct direct = Direct(vec3(0.0f), vec3(0.0f), noLobe());
     SurfacePoint p;
     if (working && hit.primitive == NO_HIT) {
         precise vec3 sum = state.sum + state.weight * distantRadiance(ray.direction);
@@ -60,23 +86,29 @@ void shade(uint i) {
         p = surfaceAt(ray, hit, state.travelled);
         direct = shadeSurface(slot, ray, hit, p, state);
     }
-    bool lit = largestOf(direct) > 0.0f;
+    bool lit = largestOf(direct.scattered) > 0.0f;
+    float share = 0.0f;  // of the light of what reflected rays find, too
+    if ((FEATURES & FEATURE_LOBES) != 0u) {
+        lit = lit || largestOf(direct.weight * direct.lobe.grazing) > 0.0f;
+        if (lit && !p.transmissive) share = 1.0f - p.gloss;
+    }
     if ((FEATURES & FEATURE_LIGHTS) != 0u) {
         for (uint j = 0u; j < frame.lightCount; ++j) {
             ShadowRay shadow = noShadowRay();
             if (lit) shadow = lightRay(p, j);
-            storeShadowRay(j * now.count + i, shadow, direct, state);
+            storeShadowRay(j * now.count + i, shadow, p, -ray.direction, direct, 1.0f, LEAST_SPREAD, state);
         }
     }
     if ((FEATURES & FEATURE_EMITTERS) != 0u) {
         ShadowRay shadow = noShadowRay();
         if (lit) shadow = emitterRay(p, state.pixel, state.sampleIndex, state.key);
-        storeShadowRay(frame.lightCount * now.count + i, shadow, direct, state);
+        storeShadowRay(frame.lightCount * now.count + i, shadow, p, -ray.direction, direct, share, LEAST_SAMPLED_SPREAD, state);
     }
     if ((FEATURES & FEATURE_SHINING) != 0u) {
         ShadowRay shadow = noShadowRay();
         if (lit) shadow = environmentRay(p, state.pixel, state.sampleIndex, state.key);
-        storeShadowRay((frame.shadowRays - 1u) * now.count + i, shadow, direct, state);
+        storeShadowRay((frame.shadowRays - 1u) * now.count + i, shadow, p, -ray.direction, direct, share, LEAST_SAMPLED_SPREAD,
+                       state);
     }
     if (working) {
         states[slot].sum = state.sum;

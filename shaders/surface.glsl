@@ -6,11 +6,17 @@
 struct SurfacePoint {
     BoundedPoint at;
     vec3 normal;         // n: of the triangle or sphere, on the ray's side
-    vec3 shading;        // ns: interpolated from the vertices and bent by the normal texture, on the ray's side
+    vec3 smooth_;        // interpolated from the vertices, on the ray's side
+    vec3 shading;        // ns: that, bent by the normal texture
     bool front;          // the ray came from where the corners run counterclockwise, or from outside the sphere
-    vec3 diffuse;
-    float gloss;
-    vec3 mirror;
+    vec3 lift;           // from there to where shadow rays start: see liftOf()
+    vec3 diffuse;        // before the share that the dielectric mirrors is taken off
+    float gloss;         // the share of what is mirrored that the reflected ray brings
+    float metallic;      // the share that is metal; the rest is a dielectric
+    vec3 metal;          // what the metal reflects along the normal; at grazing it reflects all
+    float dielectric;    // what the dielectric reflects along the normal ...
+    float grazing;       // ... and at grazing
+    float roughness;
     float ior;
     vec3 through;
     bool transmissive;   // lets light through at all, before textures
@@ -18,6 +24,7 @@ struct SurfacePoint {
     bool thin;
     uint medium;         // what is within, if it is known to be closed: see media.glsl
     vec3 emission;
+    float coverage;      // how much of the surface is there: the rest of the light passes straight on
     float openness;      // the share of ambient light that the occlusion texture lets in
 };
 
@@ -86,8 +93,7 @@ Corners vertexNormals(Facet facet) {
 }
 
 // The vertices' normals interpolated, on the side of n; n itself where a vertex has none, or where they cancel.
-vec3 interpolatedNormal(Facet facet, vec3 b, vec3 n) {
-    Corners normals = vertexNormals(facet);
+vec3 interpolatedNormal(Corners normals, vec3 b, vec3 n) {
     vec3 n0 = normals.a;
     vec3 n1 = normals.b;
     vec3 n2 = normals.c;
@@ -96,6 +102,20 @@ vec3 interpolatedNormal(Facet facet, vec3 b, vec3 n) {
     if (missing || sqrt(dot(sum, sum)) < 1e-3f) return n;
     vec3 interpolated = unit(sum);
     return dot(interpolated, n) < 0.0f ? -interpolated : interpolated;
+}
+
+// How far the smooth surface that the vertices' normals tell of lies outside the triangle at `position`, on the side of n: the
+// way to the mean of where it is projected to in the planes across the normals at the vertices, as far as these lie outside.
+// Shadow rays that start there do not meet facets where the smooth surface would be lit.
+// Source: Hanika 2021, "Hacking the Shadow Terminator", in Ray Tracing Gems II.
+vec3 liftOf(Corners corners, Corners normals, vec3 b, vec3 position, vec3 n) {
+    precise vec3 sum = normals.a + normals.b + normals.c;
+    float side = dot(sum, n) < 0.0f ? -1.0f : 1.0f;
+    precise float below0 = min(0.0f, side * dot(position - corners.a, normals.a));
+    precise float below1 = min(0.0f, side * dot(position - corners.b, normals.b));
+    precise float below2 = min(0.0f, side * dot(position - corners.c, normals.c));
+    precise vec3 lift = -side * (b.x * below0 * normals.a + b.y * below1 * normals.b + b.z * below2 * normals.c);
+    return dot(lift, n) > 0.0f ? lift : vec3(0.0f);
 }
 
 // `normal`, bent towards where the ray of unit direction d comes from, if the ray would meet it from behind or nearly so:
@@ -221,35 +241,77 @@ vec3 emissionAt(uvec4 triangle, vec3 b, float covered, float coveredMore) {
     return tinted;
 }
 
+// How much of a surface is there where `alpha` is what varies of it.
+float coverageOf(uint material, float alpha) {
+    uvec4 more = scene_at(material + 3u);
+    precise float all = uintBitsToFloat(more.y) * ((more.w & SURFACE_ALPHA_VARIES) != 0u ? alpha : 1.0f);
+    float cutoff = uintBitsToFloat(scene_at(material + 6u).x);
+    float cut = all >= cutoff ? 1.0f : 0.0f;
+    if ((FEATURES & FEATURE_BLENDS) == 0u) return cut;
+    return cutoff > 0.0f ? cut : all;
+}
+
 // A material in the terms of host/scene/surface.hpp, its factors as they are at a point.
 void reduceMaterial(uint material, vec3 base, float metallic, float roughness, INOUT(SurfacePoint) p) {
     uvec4 absorption = scene_at(material + 2u);
     uvec4 more = scene_at(material + 3u);
     float transmission = uintBitsToFloat(more.x);
-    float alpha = uintBitsToFloat(more.y);
     p.ior = uintBitsToFloat(absorption.w);
     p.absorption = xyzOf(absorption);
     p.thin = (more.w & SURFACE_THIN) != 0u;
     p.medium = scene_at(material + 5u).w;
     precise float polish = max(0.0f, 1.0f - 2.0f * roughness);
+    precise float blur = max(0.0f, 2.0f * roughness - 1.0f);
+    precise float shine = 1.0f - blur * blur;
+    float normalReflectance = uintBitsToFloat(more.z);
     precise float gloss = polish * polish;
-    precise vec3 diffuse = (alpha * ((1.0f - metallic) * (1.0f - transmission) + metallic * (1.0f - gloss))) * base;
-    precise vec3 mirror = gloss * ((1.0f - metallic) * vec3(uintBitsToFloat(more.z)) + metallic * base);
+    precise vec3 diffuse = ((1.0f - metallic) * (1.0f - transmission)) * base;
+    precise float dielectric = shine * normalReflectance;
+    precise float grazing = shine * min(1.0f, 50.0f * normalReflectance);
     precise vec3 through = ((1.0f - metallic) * transmission) * base;
     p.gloss = gloss;
     p.diffuse = diffuse;
-    p.mirror = mirror;
-    p.through = (more.w & SURFACE_IS_VEIL) != 0u ? vec3(1.0f - alpha) : through;
+    p.metallic = metallic;
+    p.metal = base;
+    p.dielectric = dielectric;
+    p.grazing = grazing;
+    p.roughness = roughness;
+    p.through = through;
     p.transmissive = (FEATURES & FEATURE_TRANSMISSION) != 0u && (more.w & SURFACE_TRANSMITS) != 0u;
 }
 
 // The mean of the vertices' colours at barycentric coordinates b.
-vec3 vertexColour(uvec4 triangle, vec3 b) {
+vec4 vertexColour(uvec4 triangle, vec3 b) {
     uint last = frame.vertexStride - 1u;
-    precise vec3 colour = b.x * xyzOf(scene_at(vertexElement(triangle.x) + last)) +
-                          b.y * xyzOf(scene_at(vertexElement(triangle.y) + last)) +
-                          b.z * xyzOf(scene_at(vertexElement(triangle.z) + last));
+    precise vec4 colour = b.x * rowOf(scene_at(vertexElement(triangle.x) + last)) +
+                          b.y * rowOf(scene_at(vertexElement(triangle.y) + last)) +
+                          b.z * rowOf(scene_at(vertexElement(triangle.z) + last));
     return colour;
+}
+
+// The coverage of a triangle, or a sphere, at barycentric coordinates b for a ray of no width.
+float coverageAt(uvec4 triangle, vec3 b) {
+    uint material = frame.materialsAt + triangle.w * MATERIAL_STRIDE;
+    float alpha = 1.0f;
+    if ((FEATURES & FEATURE_SPHERES) == 0u || triangle.y != NO_VERTEX) {
+        if ((FEATURES & FEATURE_COLORS) != 0u) alpha = vertexColour(triangle, b).w;
+        if ((FEATURES & FEATURE_COLOR_TEXTURES) != 0u) {
+            uint texture_ = scene_at(material + 4u).x;
+            if (texture_ != NO_TEXTURE) {
+                precise float both = alpha * lookUp(Look(triangle, b, 0.0f, 0.0f), texture_, true).w;
+                alpha = both;
+            }
+        }
+    }
+    return coverageOf(material, alpha);
+}
+
+// What is in the way of a shadow ray at `hit`: the coverage there; 0 if the surface lets light through by its material.
+float shadeOf(Hit hit) {
+    uvec4 triangle = facetOf(hit.primitive).triangle;
+    precise float b0 = 1.0f - hit.u - hit.v;
+    bool transmits = (scene_at(frame.materialsAt + triangle.w * MATERIAL_STRIDE + 3u).w & SURFACE_TRANSMITS) != 0u;
+    return transmits ? 0.0f : coverageAt(triangle, vec3(b0, hit.u, hit.v));
 }
 
 // Where the ray meets the triangle, with its normals and its material. `width` is that of the ray there.
@@ -263,8 +325,14 @@ void meetTriangle(Facet facet, Ray ray, Hit hit, float width, INOUT(SurfacePoint
     precise float cosine = dot(ray.direction, faced);
     p.front = cosine < 0.0f;
     p.normal = p.front ? faced : -faced;
-    p.shading = p.normal;
-    if ((FEATURES & FEATURE_NORMALS) != 0u) p.shading = interpolatedNormal(facet, b, p.normal);
+    p.smooth_ = p.normal;
+    if ((FEATURES & FEATURE_NORMALS) != 0u) {
+        Corners normals = vertexNormals(facet);
+        p.smooth_ = interpolatedNormal(normals, b, p.normal);
+        if ((FEATURES & (FEATURE_LIGHTS | FEATURE_EMITTERS | FEATURE_SHINING)) != 0u)
+            p.lift = liftOf(corners, normals, b, p.at.position, p.normal);
+    }
+    p.shading = p.smooth_;
 
     uint material = frame.materialsAt + triangle.w * MATERIAL_STRIDE;
     uvec4 first = scene_at(material);
@@ -272,7 +340,12 @@ void meetTriangle(Facet facet, Ray ray, Hit hit, float width, INOUT(SurfacePoint
     float metallic = uintBitsToFloat(first.w);
     float roughness = uintBitsToFloat(scene_at(material + 1u).w);
     Look look = Look(triangle, b, 0.0f, 0.0f);
-    if ((FEATURES & FEATURE_COLORS) != 0u) base = base * vertexColour(triangle, b);
+    float alpha = 1.0f;
+    if ((FEATURES & FEATURE_COLORS) != 0u) {
+        vec4 colour = vertexColour(triangle, b);
+        base = base * vec3(colour.x, colour.y, colour.z);
+        alpha = colour.w;
+    }
     if ((FEATURES & FEATURE_TEXTURES) != 0u) {
         uvec4 textures = scene_at(material + 4u);
         uvec4 last = scene_at(material + 5u);
@@ -282,6 +355,8 @@ void meetTriangle(Facet facet, Ray ray, Hit hit, float width, INOUT(SurfacePoint
         if ((FEATURES & FEATURE_COLOR_TEXTURES) != 0u && textures.x != NO_TEXTURE) {
             vec4 value = lookUp(look, textures.x, true);
             base = base * vec3(value.x, value.y, value.z);
+            precise float both = alpha * value.w;
+            alpha = both;
         }
         if ((FEATURES & FEATURE_ROUGHNESS_TEXTURES) != 0u && textures.y != NO_TEXTURE) {
             vec4 value = lookUp(look, textures.y, false);
@@ -300,6 +375,7 @@ void meetTriangle(Facet facet, Ray ray, Hit hit, float width, INOUT(SurfacePoint
     }
     if ((FEATURES & (FEATURE_NORMALS | FEATURE_NORMAL_TEXTURES)) != 0u && p.shading != p.normal)
         p.shading = facingNormal(p.shading, ray.direction);
+    if ((FEATURES & FEATURE_COVERAGE) != 0u) p.coverage = coverageOf(material, alpha);
     p.emission = emissionAt(triangle, b, look.covered, look.coveredMore);
     reduceMaterial(material, base, metallic, roughness, p);
 }
@@ -314,10 +390,12 @@ void meetSphere(uvec4 triangle, Ray ray, Hit hit, INOUT(SurfacePoint) p) {
     p.at = pointOfSphere(centre, uintBitsToFloat(sphere.w), outwards);
     p.front = dot(ray.direction, outwards) < 0.0f;
     p.normal = p.front ? outwards : -outwards;
+    p.smooth_ = p.normal;
     p.shading = p.normal;
     uint material = frame.materialsAt + triangle.w * MATERIAL_STRIDE;
     uvec4 first = scene_at(material);
     uvec4 second = scene_at(material + 1u);
+    if ((FEATURES & FEATURE_COVERAGE) != 0u) p.coverage = coverageOf(material, 1.0f);
     p.emission = xyzOf(second);
     reduceMaterial(material, xyzOf(first), uintBitsToFloat(first.w), uintBitsToFloat(second.w), p);
 }
@@ -331,6 +409,8 @@ SurfacePoint surfaceAt(Ray ray, Hit hit, float travelled) {
     precise float width = pixel * (travelled + hit.t);
     SurfacePoint p;
     p.openness = 1.0f;
+    p.coverage = 1.0f;
+    p.lift = vec3(0.0f);
     if ((FEATURES & FEATURE_SPHERES) != 0u && facet.triangle.y == NO_VERTEX) {
         meetSphere(facet.triangle, ray, hit, p);
     } else {

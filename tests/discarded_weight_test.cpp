@@ -3,7 +3,7 @@
 #include "reference/picture.hpp"
 #include "reference/world.hpp"
 #include "support/effort.hpp"
-#include "support/rendering.hpp"
+#include "support/leaves.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ const std::filesystem::path shared = std::filesystem::path(RAIG_SOURCE_DIR) / ".
 
 struct Subject {
     const char* name;
-    std::filesystem::path file;
+    std::filesystem::path file;  ///< none: leafyScene(), whose blends and highlights count, too
 };
 
 const std::vector<Subject> subjects = {
@@ -27,7 +27,8 @@ const std::vector<Subject> subjects = {
     {"Glassware", shared / "glass/glassware.glb"},
     {"BeerGlass", shared / "glass/beerGlass/beerGlass.obj"},
     {"Sedan", shared / "obj/concept-sedan-02/concept-sedan-02.obj"},
-    {"WhiteRoom", shared / "rooms/white_room.glb"}};
+    {"WhiteRoom", shared / "rooms/white_room.glb"},
+    {"Leaves", {}}};
 
 constexpr uint32_t depths[] = {0, 1, 2, 4, 8, 16};
 constexpr float contributions[] = {0.25f, 0.0625f, 1.0f / 64, 1.0f / 255, 1.0f / 512, 1.0f / 4096};
@@ -57,13 +58,14 @@ double brightestOf(const Stage& stage, const FrameOptions& options) {
 class DiscardedWeight : public testing::TestWithParam<Subject> {
 protected:
     void SetUp() override {
-        if (!std::filesystem::exists(GetParam().file)) GTEST_SKIP() << "no " << GetParam().file;
+        const std::filesystem::path& file = GetParam().file;
+        if (!file.empty() && !std::filesystem::exists(file)) GTEST_SKIP() << "no " << file;
     }
 };
 
 TEST_P(DiscardedWeight, BoundsTheErrorOfEveryPixel) {
     const uint32_t side = isLong() ? 64 : affordable(20);
-    const Stage stage(importScene(GetParam().file));
+    const Stage stage(GetParam().file.empty() ? leafyScene() : importScene(GetParam().file));
     const FrameOptions all = square(side, 1, deepest, finest);
     const Picture whole = stage.onCpu(all);
     const double brightest = brightestOf(stage, all);

@@ -19,6 +19,14 @@ Scene box() { return importScene(RAIG_SOURCE_DIR "/assets/cornell_box.gltf"); }
 /// A material that nothing has, but that what it asks for is made ready for.
 void addUnused(Scene& scene, const Material& material) { scene.materials.push_back(material); }
 
+/// As much of the surface as `alpha` says, or from `cutoff` on all.
+Material covering(float alpha, float cutoff) {
+    Material material = matte(vec3(1.0f));
+    material.alpha = alpha;
+    material.alphaCutoff = cutoff;
+    return material;
+}
+
 struct Addition {
     const char* name;  ///< as Economy has it
     std::function<void(Scene&)> make;
@@ -30,6 +38,9 @@ const std::vector<Addition>& additions() {
     static const std::vector<Addition> all = {
         {"glass", [](Scene& scene) { addUnused(scene, glass(1.5f)); }},
         {"mirrors", [](Scene& scene) { addUnused(scene, metal(vec3(1.0f))); }},
+        {"highlights and rough mirrors", [](Scene& scene) { addUnused(scene, metal(vec3(1.0f), 1.0f)); }},
+        {"cut-outs", [](Scene& scene) { addUnused(scene, covering(0.25f, 0.5f)); }},
+        {"blending", [](Scene& scene) { addUnused(scene, covering(0.25f, 0.0f)); }},
         {"vertex normals",
          [](Scene& scene) {
              for (Mesh& mesh : scene.meshes) mesh.normals.assign(mesh.positions.size(), vec3(0.0f));  // none

@@ -8,6 +8,7 @@
 #include "rays/kernels.hpp"
 #include "support/devices.hpp"
 #include "support/groves.hpp"
+#include "support/leaves.hpp"
 #include "support/rendering.hpp"
 #include "support/soups.hpp"
 #include "support/tracing.hpp"
@@ -163,6 +164,13 @@ TEST_P(Items, PicturesHaveTheBitsOfTracedOnesHoweverTheyAreMade) {
     Scene nothing;
     nothing.cameras = stage.scene.cameras;
     expectSamePicture(Stage(nothing), sized(8, 8, 1), "of nothing");
+}
+
+// The buffer shows surfaces that are cut out whole: rays meet them there, and go on without hints.
+TEST_P(Items, PicturesOfWhatIsCutOutHaveTheBitsOfTracedOnes) {
+    const Stage stage(leafyScene());
+    const Picture picture = expectSamePicture(stage, sized(40, 30, 2), "leaves");
+    EXPECT_LT(picture.statistics.fallbacks, picture.statistics.hintedRays / 4);
 }
 
 TEST_P(Items, PicturesOfInstancesHaveTheBitsOfTracedOnes) {

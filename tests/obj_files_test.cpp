@@ -151,6 +151,11 @@ TEST(Mtl, HighlightsAloneAreNoMirrors) {
     EXPECT_EQ(s.mirror, vec3(0.0f));
     EXPECT_EQ(s.diffuse, vec3(0.3f, 0.5f, 0.8f));
     EXPECT_EQ(s.transmission, vec3(0.0f));
+    expectNear(s.f0, vec3(0.08f), 1e-6f);
+    const Material broad = materialOf("Ks .5 .5 .5\nNs 6\nillum 2\n");
+    EXPECT_NEAR(broad.roughness, std::sqrt(0.5), 1e-6) << "a^2 = 2 / (Ns + 2), and roughness^2 = a";
+    expectNear(surfaceOf(broad).f0, vec3(0.04f * (1.0f - std::pow(2.0f * broad.roughness - 1.0f, 2.0f))), 1e-6f);
+    EXPECT_EQ(surfaceOf(materialOf("Kd 1 1 1\nNs 50\n")).f90, 0.0f) << "without Ks nothing shines";
 }
 
 TEST(Mtl, RayTracedReflectionIsAMirrorBesideTheDiffusePart) {
@@ -160,7 +165,8 @@ TEST(Mtl, RayTracedReflectionIsAMirrorBesideTheDiffusePart) {
     expectNear(both.mirror, vec3(0.4f), 0.03f);
     const Surface blurred = surfaceOf(materialOf("Kd 0 0 0\nKs .9 .9 .9\nNs 2\nillum 3\n"));
     EXPECT_EQ(blurred.gloss, 0.0f);
-    expectNear(blurred.diffuse, vec3(0.9f), 1e-6f);
+    expectNear(blurred.diffuse, vec3(0.0f), 1e-6f);
+    expectNear(blurred.f0, vec3(0.9f), 1e-6f);
 }
 
 TEST(Mtl, WhatIsNotOpaqueIsGlass) {

@@ -27,10 +27,12 @@ Material material(float metallic, float roughness, float transmission, float ior
 
 // Where all light has radiance 1, everything that keeps energy looks like 1: what is missing is what was discarded.
 TEST(Furnace, GivesOneWithWhatWasDiscarded) {
-    const std::vector<Material> materials = {material(0, 1, 0, 1.5f, true),     material(1, 0, 0, 1.5f, true),
-                                             material(0, 0, 0, 1.5f, true),     material(0, 0, 1, 1.5f, false),
-                                             material(0, 0.1f, 1, 1.33f, true), material(0, 0, 0.5f, 1.5f, false),
-                                             material(0, 0.2f, 0, 1.5f, true),  material(0, 0, 1, 1.0f, false)};
+    std::vector<Material> materials = {material(0, 1, 0, 1.5f, true),     material(1, 0, 0, 1.5f, true),
+                                       material(0, 0, 0, 1.5f, true),     material(0, 0, 1, 1.5f, false),
+                                       material(0, 0.1f, 1, 1.33f, true), material(0, 0, 0.5f, 1.5f, false),
+                                       material(0, 0.2f, 0, 1.5f, true),  material(0, 0, 1, 1.0f, false)};
+    for (const float metallic : {0.0f, 0.5f, 1.0f})
+        for (const float roughness : {0.2f, 0.5f, 1.0f}) materials.push_back(material(metallic, roughness, 0, 1.5f, true));
     for (size_t m = 0; m < materials.size(); ++m)
         for (const float minContribution : {0.0f, 0.05f}) {
             Scene scene = whiteSky();

@@ -144,8 +144,8 @@ public:
     }
     void add(const Material& m) {
         for (const vec3& v : {m.baseColor, m.emission, m.attenuationColor}) add(v);
-        add(m.alpha, m.metallic, m.roughness, m.transmission, m.ior, m.thin, m.attenuationDistance, m.normalScale,
-            m.occlusionStrength);
+        add(m.alpha, m.alphaVaries, m.alphaCutoff, m.metallic, m.roughness, m.transmission, m.ior, m.thin,
+            m.attenuationDistance, m.normalScale, m.occlusionStrength);
         for (const auto* texture :
              {&m.baseColorTexture, &m.roughnessTexture, &m.normalTexture, &m.emissionTexture, &m.occlusionTexture})
             add(*texture);
@@ -188,6 +188,7 @@ std::string ChartScene::hash() const {
     looks.addAll(geometry_.uvs);
     looks.addAll(geometry_.moreUvs);
     looks.addAll(geometry_.colors);
+    looks.addAll(geometry_.alphas);
     looks.addAll(geometry_.triangles);
     looks.addAll(geometry_.materials);
     const SceneHash shape = hashOf(primitives_), rest = hashOf(looks.bytes());

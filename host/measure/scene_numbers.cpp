@@ -53,7 +53,8 @@ void addSurfaceFeatures(const Material& material, const auto& add) {
     add(!transmits && s.gloss > 0.0f, "mirrors");
     add(transmits && material.transmission > 0.0f, "transmission");
     add(transmits && !s.thin, "refraction");
-    add(material.alpha < 1.0f, "alpha blending");
+    add(material.alpha < 1.0f || (material.alphaVaries && material.alphaCutoff <= 0.0f), "alpha blending");
+    add(material.alphaCutoff > 0.0f, "alpha masks");
     add(glm::any(glm::greaterThan(s.absorption, vec3(0.0f))), "absorption");
     add(glm::any(glm::greaterThan(s.emission, vec3(0.0f))), "emission");
 }

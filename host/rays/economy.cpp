@@ -33,8 +33,11 @@ constexpr std::array features{
     Feature{textured | FEATURE_EMISSION_TEXTURES, "emissive textures"},
     Feature{textured | FEATURE_OCCLUSION_TEXTURES, "occlusion textures"},
     Feature{FEATURE_MIRRORS, "mirrors"},
+    Feature{FEATURE_LOBES, "highlights and rough mirrors"},
     Feature{FEATURE_TRANSMISSION, "glass"},
     Feature{FEATURE_NESTED, "glass in glass"},
+    Feature{FEATURE_COVERAGE, "cut-outs"},
+    Feature{FEATURE_COVERAGE | FEATURE_BLENDS, "blending"},
     Feature{FEATURE_LIGHTS, "lights"},
     Feature{FEATURE_EMITTERS, "glowing triangles"},
     Feature{FEATURE_ENVIRONMENT | FEATURE_SHINING, "an environment"},
@@ -61,7 +64,9 @@ uint32_t countInstructions(std::span<const uint32_t> spirv) {
 
 uint32_t instructionsWith(uint32_t bits) {
     uint32_t sum = 0;
-    for (const char* name : {"begin_storage", "shade_storage", "gather_storage"}) {
+    std::vector<const char*> names = {"begin_storage", "shade_storage", "gather_storage"};
+    if ((bits & FEATURE_COVERAGE) != 0) names.push_back("pass_storage");
+    for (const char* name : names) {
         const auto spirv = findKernel(name);
         RAIG_CHECK(spirv.has_value());
         sum += countInstructions(vk::specialize(

@@ -54,9 +54,9 @@ public:
         add(tiles, step);
         return seconds;
     }
-    double traceShadows(FrameTiles& tiles, const TileStep& step, uint32_t lights) {
+    double traceShadows(FrameTiles& tiles, const TileStep& step, uint32_t lights, bool toNearest) {
         ofRay_.resize(size_t{step.count} * lights);
-        const double seconds = tiles.traceShadowsCosts(ofRay_);
+        const double seconds = toNearest ? tiles.traceShadowsToNearestCosts(ofRay_) : tiles.traceShadowsCosts(ofRay_);
         add(tiles, step);
         return seconds;
     }
@@ -78,10 +78,35 @@ private:
     std::vector<uint32_t> list_;
 };
 
+/// Traces a step's shadow rays. Where surfaces let light pass by their alpha, from one to the next until all are through or
+/// stopped. `run(kernel, step)`. Returns seconds.
+template <class Run>
+double traceShadows(FrameTiles& tiles, const FrameData& data, const TileStep& step, TileCosts* costs, const Run& run) {
+    const uint32_t lights = data.params.shadowRays, count = step.count * lights;
+    const bool passing = (data.features & FEATURE_COVERAGE) != 0;
+    if (count == 0) return 0.0;
+    double seconds = 0.0;
+    for (uint32_t passed = 0;; ++passed) {
+        if (costs)
+            seconds += costs->traceShadows(tiles, step, lights, passing);
+        else
+            seconds += passing ? tiles.traceShadowsToNearest(count) : tiles.traceShadows(count);
+        if (!passing) return seconds;
+        for (uint32_t light = 0; light < lights; ++light)
+            run(FrameKernel::pass, TileStep{.count = step.count,
+                                            .listAt = light * step.count,
+                                            .nextAt = 0,
+                                            .compacts = passed == MOST_PASSES ? 1u : 0u,
+                                            .firstPixel = 0});
+        if (tiles.counted() == 0) return seconds;
+    }
+}
+
 /// Steps one tile to its end, from `first` on: begin or resume. `report(atWork, tile)` after each step.
 template <class Report>
-TileRun runTile(FrameTiles& tiles, const FrameParams& params, FrameKernel first, uint32_t firstPixel, uint32_t count,
+TileRun runTile(FrameTiles& tiles, const FrameData& data, FrameKernel first, uint32_t firstPixel, uint32_t count,
                 TileCosts* costs, const Report& report) {
+    const FrameParams& params = data.params;
     TileRun tile;
     const auto run = [&](FrameKernel kernel, const TileStep& step) {
         tile.longestSeconds = std::max(tile.longestSeconds, tiles.run(kernel, step));
@@ -93,10 +118,7 @@ TileRun runTile(FrameTiles& tiles, const FrameParams& params, FrameKernel first,
         tile.traceSeconds += seconds;
         if (tile.closestRays == 0) tile.firstSeconds = seconds;
         run(FrameKernel::shade, step);
-        const uint32_t shadowRays = step.count * params.shadowRays;
-        if (shadowRays > 0)
-            tile.traceSeconds +=
-                costs ? costs->traceShadows(tiles, step, params.shadowRays) : tiles.traceShadows(shadowRays);
+        tile.traceSeconds += traceShadows(tiles, data, step, costs, run);
         step.compacts = atWork < step.count - step.count / 4 ? 1 : 0;
         run(FrameKernel::gather, step);
         tile.closestRays += atWork;
@@ -113,7 +135,7 @@ TileRun runTile(FrameTiles& tiles, const FrameParams& params, FrameKernel first,
 }  // namespace
 
 SlotBytes slotBytes(const FrameData& data) {
-    const bool branches = (data.features & (FEATURE_MIRRORS | FEATURE_TRANSMISSION)) != 0;
+    const bool branches = (data.features & (FEATURE_MIRRORS | FEATURE_TRANSMISSION | FEATURE_COVERAGE)) != 0;
     SlotBytes bytes;
     bytes.pendingRays = branches ? data.params.maxDepth + 1 : 0;
     const uint64_t pending = uint64_t{bytes.pendingRays} * sizeof(PendingRay);
@@ -161,7 +183,7 @@ void checkLights(const Scene& scene) {
 
 FramePasses::FramePasses(FrameTiles& tiles, const FrameData& data, const FrameOptions& options,
                          const FrameProgress& progress, Picture& picture)
-    : tiles_(tiles), params_(data.params), options_(options), progress_(progress), picture_(picture) {
+    : tiles_(tiles), data_(data), params_(data.params), options_(options), progress_(progress), picture_(picture) {
     const size_t pixels = size_t{params_.partWidth} * params_.partHeight;
     picture.width = params_.partWidth;
     picture.height = params_.partHeight;
@@ -210,7 +232,7 @@ void FramePasses::run(FrameKernel firstKernel, uint32_t pixels, uint32_t samples
         std::optional<TileCosts> costs;
         if (options_.countsCosts) costs.emplace(count);
         prepare(first, count);
-        const TileRun tile = runTile(tiles_, params_, firstKernel, first, count, costs ? &*costs : nullptr, report);
+        const TileRun tile = runTile(tiles_, data_, firstKernel, first, count, costs ? &*costs : nullptr, report);
         size.learn(tile.longestSeconds);
         rays_ += double(tile.closestRays + tile.shadowRays);
         results.resize(count);

@@ -55,7 +55,7 @@ public:
     double run(FrameKernel kernel, const TileStep& step) override {
         const Clock::time_point start = Clock::now();
         kernels_.now = step;
-        kernels_.counted = 0;
+        if (kernel != FrameKernel::pass || step.listAt == 0) kernels_.counted = 0;
         parallelFor(step.count, 256, [&](size_t begin, size_t end) {
             for (size_t i = begin; i < end; ++i) runOne(kernel, static_cast<uint32_t>(i));
         });
@@ -78,6 +78,15 @@ public:
             .traceCosts(std::span(shadowRays_).first(costs.size()), std::span(shadowHits_).first(costs.size()), true, costs)
             .seconds;
     }
+    double traceShadowsToNearest(uint32_t count) override {
+        return tracer_.trace(std::span(shadowRays_).first(count), std::span(shadowHits_).first(count), Query::closest)
+            .seconds;
+    }
+    double traceShadowsToNearestCosts(std::span<uint32_t> costs) override {
+        return tracer_
+            .traceCosts(std::span(shadowRays_).first(costs.size()), std::span(shadowHits_).first(costs.size()), false, costs)
+            .seconds;
+    }
     void readList(uint32_t at, std::span<uint32_t> slots) override {
         std::copy_n(list_.begin() + at, slots.size(), slots.begin());
     }
@@ -93,6 +102,7 @@ private:
             case FrameKernel::shade: return kernels_.shade(i);
             case FrameKernel::gather: return kernels_.gather(i);
             case FrameKernel::resume: return kernels_.resume(i);
+            case FrameKernel::pass: return kernels_.pass(i);
         }
     }
 

@@ -47,15 +47,21 @@ void packMaterials(const Scene& scene, const TextureList& textures, Packer& pack
         const Surface s = surfaceOf(m);
         const TextureList::Numbers& t = textures.ofMaterial[i];
         const bool transmits = glm::any(glm::greaterThan(s.transmission, vec3(0.0f)));
-        const bool isVeil = transmits && !s.tintsThrough;
-        const uint32_t flags =
-            (s.thin ? SURFACE_THIN : 0) | (transmits ? SURFACE_TRANSMITS : 0) | (isVeil ? SURFACE_IS_VEIL : 0);
+        const bool covers = !mayLetPass(scene, m);
+        const uint32_t flags = (s.thin ? SURFACE_THIN : 0) | (transmits ? SURFACE_TRANSMITS : 0) |
+                               (m.alphaVaries && !covers ? SURFACE_ALPHA_VARIES : 0);
         packer.append(packed(m.baseColor, m.metallic));
         packer.append(packed(m.emission, m.roughness));
         packer.append(packed(s.absorption, s.ior));
-        packer.append(packed(vec3(m.transmission, m.alpha, normalReflectance(m.ior)), flags));
+        packer.append(packed(vec3(m.transmission, covers ? 1.0f : m.alpha, normalReflectance(m.ior)), flags));
         packer.append({t.color, t.roughness, t.normal, t.emission});
         packer.append({t.occlusion, bitsOf(m.occlusionStrength), bitsOf(m.normalScale), uint32_t{data.media.ofMaterial[i]}});
+        packer.append({bitsOf(covers ? 0.0f : leastAlpha(m)), 0u, 0u, 0u});
+        if (!covers) data.features |= FEATURE_COVERAGE;
+        if (!covers && m.alphaCutoff <= 0.0f) data.features |= FEATURE_BLENDS;
+        const bool shines = s.f90 > 0.0f || m.metallic > 0.0f || t.roughness != NO_TEXTURE;
+        const bool blurs = !transmits && (s.gloss < 1.0f || t.roughness != NO_TEXTURE);
+        if (shines && (blurs || !scene.lights.empty())) data.features |= FEATURE_LOBES;
         if (transmits) data.features |= FEATURE_TRANSMISSION;
         // A texture can only make a surface smoother.
         if (!transmits && (s.gloss > 0.0f || t.roughness != NO_TEXTURE)) data.features |= FEATURE_MIRRORS;
@@ -134,7 +140,7 @@ void packGeometry(const Geometry& geometry, Packer& packer, FrameData& data) {
             if (normals || uvs) vertex[1] = packed(normals ? geometry.normals[i] : vec3(0.0f), uv.y);
             if (tangents) vertex[2] = packed(vec3(geometry.tangents[i]), geometry.tangents[i].w);
             if (moreUvs) vertex[tangents ? 3 : 2] = {std::bit_cast<uvec2>(geometry.moreUvs[i]), 0u, 0u};
-            if (colors) vertex[stride - 1] = packed(geometry.colors[i], 0u);
+            if (colors) vertex[stride - 1] = packed(geometry.colors[i], geometry.alphas.empty() ? 1.0f : geometry.alphas[i]);
         }
     });
 }

@@ -21,8 +21,9 @@ using Clock = std::chrono::steady_clock;
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 constexpr uint32_t groupSize = 256;
-constexpr std::array<const char*, 5> kernelNames = {"begin", "shade", "gather", "resume", "hint"};  // as FrameKernel has them
-constexpr size_t resumeKernel = 3, hintKernel = 4;
+/// As FrameKernel has them, and one more.
+constexpr std::array<const char*, 6> kernelNames = {"begin", "shade", "gather", "resume", "pass", "hint"};
+constexpr size_t resumeKernel = 3, passKernel = 4, hintKernel = 5;
 using FrameKernelSet = std::array<std::optional<Kernel>, kernelNames.size()>;
 
 Kernel makeKernel(Device& device, const char* base, uint32_t features, const BigArray& scene) {
@@ -112,8 +113,8 @@ public:
     double run(FrameKernel kernel, const TileStep& step) override {
         if (kernel == FrameKernel::begin && hints_) hints_->beginTile(step, params_.samples);
         if (kernel == FrameKernel::begin || kernel == FrameKernel::resume) isHinted_ = hints_ && kernel == FrameKernel::begin;
-        listAt_ = kernel == FrameKernel::gather ? step.nextAt : step.listAt;
-        if (kernel == FrameKernel::gather) commands_.fill(count_, 0);
+        if (kernel != FrameKernel::pass) listAt_ = kernel == FrameKernel::gather ? step.nextAt : step.listAt;
+        if (kernel == FrameKernel::gather || (kernel == FrameKernel::pass && step.listAt == 0)) commands_.fill(count_, 0);
         commands_.dispatch(*kernels_[static_cast<size_t>(kernel)], {.x = (step.count + groupSize - 1) / groupSize}, step);
         return commands_.run().seconds;
     }
@@ -133,6 +134,13 @@ public:
     }
     double traceShadowsCosts(std::span<uint32_t> costs) override {
         return tracer_.traceBuffersCosts(shadowRays_, shadowHits_, static_cast<uint32_t>(costs.size()), true, costs).seconds;
+    }
+    double traceShadowsToNearest(uint32_t count) override {
+        return tracer_.traceBuffers(shadowRays_, shadowHits_, count, Query::closest, false).seconds;
+    }
+    double traceShadowsToNearestCosts(std::span<uint32_t> costs) override {
+        return tracer_.traceBuffersCosts(shadowRays_, shadowHits_, static_cast<uint32_t>(costs.size()), false, costs)
+            .seconds;
     }
     void readList(uint32_t at, std::span<uint32_t> slots) override {
         list_.download(std::as_writable_bytes(slots), sizeof(uint32_t) * uint64_t{at});
@@ -200,8 +208,10 @@ struct DeviceFrame::State {
     void specialize(uint32_t features, bool resumes, bool hints) {
         if (features != data.features) kernels = {};
         data.features = features;
+        const bool passes = (features & FEATURE_COVERAGE) != 0;
         for (size_t i = 0; i < kernels.size(); ++i) {
-            const bool isWanted = i < resumeKernel || (i == resumeKernel && resumes) || (i == hintKernel && hints);
+            const bool isWanted = i < resumeKernel || (i == resumeKernel && resumes) || (i == passKernel && passes) ||
+                                  (i == hintKernel && hints);
             if (isWanted && !kernels[i]) kernels[i].emplace(makeKernel(device, kernelNames[i], features, elements));
         }
     }

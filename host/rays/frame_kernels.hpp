@@ -35,6 +35,7 @@ struct FrameKernels {
 
 #include "frame.glsl"
 #include "aov.glsl"
+#include "pass.glsl"
 };
 
 }  // namespace raig::shared

@@ -7,7 +7,7 @@
 
 namespace raig {
 
-enum class FrameKernel { begin, shade, gather, resume };
+enum class FrameKernel { begin, shade, gather, resume, pass };
 
 /// Bytes of memory that one slot takes: its states, rays and hits, of which the largest array takes `largest`.
 struct SlotBytes {
@@ -36,12 +36,15 @@ public:
     /// Traces the first `count` rays, or shadow rays, into hits. Returns seconds.
     virtual double trace(uint32_t count) = 0;
     virtual double traceShadows(uint32_t count) = 0;
+    /// Shadow rays, to the nearest of all surfaces, those that let light through as well.
+    virtual double traceShadowsToNearest(uint32_t count) = 0;
     /// The same, with costs.size() rays and what each of them took (Tracer::traceCosts).
     virtual double traceCosts(std::span<uint32_t> costs) = 0;
     virtual double traceShadowsCosts(std::span<uint32_t> costs) = 0;
+    virtual double traceShadowsToNearestCosts(std::span<uint32_t> costs) = 0;
     /// slots.size() entries of the list of slots, from entry `at` on.
     virtual void readList(uint32_t at, std::span<uint32_t> slots) = 0;
-    /// What the last gather counted.
+    /// What the last gather counted, or the kernels pass since pass was run with listAt 0.
     virtual uint32_t counted() = 0;
     /// Results of the first results.size() slots.
     virtual void read(std::span<shared::PixelResult> results) = 0;
@@ -76,6 +79,7 @@ private:
     void take(const shared::PixelResult& result, uint32_t cost);
 
     FrameTiles& tiles_;
+    const FrameData& data_;
     const shared::FrameParams& params_;
     const FrameOptions& options_;
     const FrameProgress& progress_;

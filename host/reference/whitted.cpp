@@ -1,6 +1,7 @@
 #include "reference/whitted.hpp"
 
 #include "reference/environment.hpp"
+#include "reference/lobe.hpp"
 #include "reference/optics.hpp"
 #include "reference/sampling.hpp"
 
@@ -61,17 +62,37 @@ Passing pass(const World& world, const SurfacePoint& p, const Nest& nest) {
 /// What a surface does with light that arrives along a ray.
 struct Scattering {
     dvec3 diffuse{0.0};
+    dvec3 rough{0.0};  ///< the lobe's share of light from everywhere
+    Lobe lobe;
     dvec3 reflection{0.0};
     dvec3 transmission{0.0};
     dvec3 reflected{0.0};  ///< directions, unit
     dvec3 transmitted{0.0};
 };
 
+/// What mirrors: metal, or a dielectric, which weighs `weight` at a point.
+struct Mirror {
+    double weight;
+    dvec3 f0, f90;
+};
+
 Scattering scatterOpaque(const SurfacePoint& p, double cosI) {
     const LocalSurface& s = p.surface;
     Scattering result;
-    if (s.gloss > 0.0) result.reflection = s.mirror + (s.gloss - s.mirror) * std::pow(1.0 - cosI, 5.0);
-    result.diffuse = (1.0 - result.reflection) * s.diffuse;
+    const LobeAlbedo albedo = lobeAlbedo(cosI, s.roughness);
+    result.lobe = lobeOf(s, albedo.all);
+    const auto add = [&](const Mirror& m) {
+        // Source: Schlick 1994, "An Inexpensive BRDF Model for Physically-based Rendering".
+        const dvec3 sharp = s.gloss * (m.f0 + (m.f90 - m.f0) * std::pow(1.0 - cosI, 5.0));
+        const dvec3 gain = 1.0 + m.f0 * (1.0 - albedo.all) / albedo.all;
+        const dvec3 rough = (1.0 - s.gloss) * gain * (m.f0 * (albedo.all - albedo.grazing) + m.f90 * albedo.grazing);
+        result.reflection += m.weight * sharp;
+        result.rough += m.weight * rough;
+        return sharp + rough;
+    };
+    add({s.metallic, s.metal, dvec3(1.0)});
+    // Only what the dielectric does not mirror gets to its coloured inside; a metal has none.
+    result.diffuse = (1.0 - add({1.0 - s.metallic, dvec3(s.dielectric), dvec3(s.grazing)})) * s.diffuse;
     return result;
 }
 
@@ -93,6 +114,7 @@ Scattering scatterTransmissive(const SurfacePoint& p, const dvec3& d, double cos
     result.reflection = dvec3(reflectance);
     result.transmission = (1.0 - reflectance) * s.transmission;
     result.diffuse = (1.0 - reflectance) * s.diffuse;
+    if (s.thin || p.front) result.lobe = lobeOf(s, 1.0);
     return result;
 }
 
@@ -106,12 +128,12 @@ Scattering scatter(const SurfacePoint& p, const dvec3& d, const Passing& passing
     return result;
 }
 
-/// Where a ray leaves the surface from, on the side that `side` points to. Double precision needs hardly any offset, as the
-/// triangle that is left is known; a rounded origin stays on its side, as float renderers see to that.
-dvec3 leave(const SurfacePoint& p, const dvec3& side, const SampleId& id, uint32_t key) {
-    const dvec3 rounded = id.rounding.position(p.position, p.magnitude, key) - p.position;
+/// Where a ray that starts at `from` leaves the surface, on the side that `side` points to. Double precision needs hardly
+/// any offset, as the triangle that is left is known; a rounded origin stays on its side, as float renderers see to that.
+dvec3 leave(const SurfacePoint& p, const dvec3& from, const dvec3& side, const SampleId& id, uint32_t key) {
+    const dvec3 rounded = id.rounding.position(from, p.magnitude, key) - from;
     const double height = glm::dot(rounded, side);
-    return p.position + (height < 0.0 ? rounded - 2.0 * height * side : rounded) + 1e-12 * p.magnitude * side;
+    return from + (height < 0.0 ? rounded - 2.0 * height * side : rounded) + 1e-12 * p.magnitude * side;
 }
 
 /// One sample's recursion.
@@ -122,23 +144,33 @@ public:
     /// The radiance along `ray`, times `weight`.
     /// `travelled` is how far light has come from its origin to the camera.
     dvec3 trace(const Ray& ray, dvec3 weight, uint32_t depth, uint32_t key, uint32_t leaving, const Nest& nest,
-                double travelled) {
+                double travelled, uint32_t passes = 0) {
         const Hit hit = world_.tree.closest(ray, leaving);
         if (hit.primitive == noTriangle) return weight * distantRadiance(world_.scene, ray.direction);
         const double distance = travelled + hit.t;
         const SurfacePoint p = surfaceAt(world_, ray, hit, id_.pixelWidth + id_.pixelSpread * distance);
         const Passing passing = pass(world_, p, nest);
-        weight *= glm::exp(-passing.absorption * hit.t);
+        weight *= glm::exp(-passing.absorption * (hit.t - ray.tMin));
         if (passing.isHidden)
-            return follow(p, ray.direction, weight, -p.normal, depth, 2 * key + 2, hit.primitive, passing.beyond, distance);
+            return follow(p, ray.direction, weight, -p.normal, depth, 2 * key + 2, hit.primitive, passing.beyond, distance,
+                          passes);
 
+        dvec3 radiance(0.0);
+        if (p.surface.coverage < 1.0) {
+            Ray rest = ray;
+            rest.tMin = std::nextafter(hit.t, INFINITY);
+            radiance += passOn(rest, weight * (1.0 - p.surface.coverage), depth, 2 * key + 2, hit.primitive, passing.beyond,
+                               travelled, passes + 1);
+            weight *= p.surface.coverage;
+            if (largest(weight) <= 0.0) return radiance;
+        }
         const Scattering scattering = scatter(p, ray.direction, passing);
-        dvec3 radiance = weight * p.surface.emission;
-        if (largest(scattering.diffuse) > 0.0) radiance += weight * scattering.diffuse * directLight(p, hit.primitive, key);
+        radiance += weight * p.surface.emission;
+        radiance += weight * directLight(p, scattering, -ray.direction, hit.primitive, key);
         radiance += follow(p, scattering.reflected, weight * scattering.reflection, p.normal, depth, 2 * key + 1,
-                           hit.primitive, passing.here, distance);
+                           hit.primitive, passing.here, distance, passes);
         radiance += follow(p, scattering.transmitted, weight * scattering.transmission, -p.normal, depth, 2 * key + 2,
-                           hit.primitive, passing.beyond, distance);
+                           hit.primitive, passing.beyond, distance, passes);
         return radiance;
     }
 
@@ -147,51 +179,91 @@ public:
 
 private:
     dvec3 follow(const SurfacePoint& p, const dvec3& direction, const dvec3& weight, const dvec3& side, uint32_t depth,
-                 uint32_t key, uint32_t leaving, const Nest& nest, double travelled) {
+                 uint32_t key, uint32_t leaving, const Nest& nest, double travelled, uint32_t passes) {
         if (largest(weight) <= 0.0) return dvec3(0.0);
         if (depth + 1 > bounds_.maxDepth || largest(weight) < bounds_.minContribution) {
             discarded_ += largest(weight);
             return dvec3(0.0);
         }
         Ray child;
-        child.origin = leave(p, side, id_, 4 * key);
+        child.origin = leave(p, p.position, side, id_, 4 * key);
         child.direction = id_.rounding.direction(direction, 4 * key + 1);
         depth_ = std::max(depth_, depth + 1);
-        const dvec3 weighted = trace(child, weight, depth + 1, key, leaving, nest, travelled);
-        for (int channel = 0; channel < 3; ++channel)
-            if (weight[channel] > 0.0) brightest_ = std::max(brightest_, weighted[channel] / weight[channel]);
+        const dvec3 weighted = trace(child, weight, depth + 1, key, leaving, nest, travelled, passes);
+        noteBrightness(weighted, weight);
         return weighted;
     }
 
-    /// The light that a white diffuse surface would send back.
-    dvec3 directLight(const SurfacePoint& p, uint32_t leaving, uint32_t key) {
+    /// What comes along the rest of a ray that a surface lets pass by its alpha.
+    dvec3 passOn(const Ray& rest, const dvec3& weight, uint32_t depth, uint32_t key, uint32_t leaving, const Nest& nest,
+                 double travelled, uint32_t passes) {
+        if (largest(weight) <= 0.0) return dvec3(0.0);
+        if (passes > mostPasses || largest(weight) < bounds_.minContribution) {
+            discarded_ += largest(weight);
+            return dvec3(0.0);
+        }
+        const dvec3 weighted = trace(rest, weight, depth, key, leaving, nest, travelled, passes);
+        noteBrightness(weighted, weight);
+        return weighted;
+    }
+
+    void noteBrightness(const dvec3& weighted, const dvec3& weight) {
+        for (int channel = 0; channel < 3; ++channel)
+            if (weight[channel] > 0.0) brightest_ = std::max(brightest_, weighted[channel] / weight[channel]);
+    }
+
+    /// What gets through of light along `shadow`.
+    double transmittance(Ray shadow, uint32_t leaving, uint32_t arriving) const {
+        if (!world_.anyPass) return world_.tree.blocked(shadow, world_.seeThrough, leaving, arriving) ? 0.0 : 1.0;
+        double left = 1.0;
+        for (uint32_t passes = 0; passes <= mostPasses; ++passes) {
+            const Hit hit = world_.tree.closest(shadow, leaving);
+            if (hit.primitive == noTriangle || hit.primitive == arriving) return left;
+            if (world_.seeThrough[world_.geometry.materials[hit.primitive]] == 0) left *= 1.0 - coverageAt(world_, hit);
+            if (left <= 0.0) return 0.0;
+            shadow.tMin = std::nextafter(hit.t, INFINITY);
+            leaving = hit.primitive;
+        }
+        return 0.0;
+    }
+
+    /// The light of lights and from everywhere that goes back along the ray, to `eye`.
+    dvec3 directLight(const SurfacePoint& p, const Scattering& scattering, const dvec3& eye, uint32_t leaving,
+                      uint32_t key) {
         constexpr double pi = 3.14159265358979323846;
-        dvec3 light = p.surface.openness * dvec3(world_.scene.ambient);
-        for (const Light& l : world_.scene.lights)
-            light += unshadowed(p, arriving(l, p.position, p.shadingNormal), leaving, key) / pi;
+        dvec3 light = p.surface.openness * dvec3(world_.scene.ambient) * (scattering.diffuse + scattering.rough);
+        const auto add = [&](const Arriving& arriving, double share, double leastSpread) {
+            if (arriving.irradiance == dvec3(0.0)) return;
+            const dvec3 mirrored = lobeTowards(scattering.lobe, p.shadingNormal, p.surface.roughness, eye,
+                                               arriving.direction, leastSpread);
+            const dvec3 value = scattering.diffuse / pi + share * mirrored;
+            if (value != dvec3(0.0)) light += value * unshadowed(p, arriving, leaving, key);
+        };
+        const double share = p.surface.transmits ? 0.0 : 1.0 - p.surface.gloss;
+        for (const Light& l : world_.scene.lights) add(arriving(l, p.position, p.shadingNormal), 1.0, 0.01);
         if (!world_.emitters.triangles.empty()) {
             const dvec2 choice = sample2(id_.pixel, id_.sample, 1 + 3 * key, bounds_.seed);
             const dvec2 place = sample2(id_.pixel, id_.sample, 2 + 3 * key, bounds_.seed);
-            light +=
-                unshadowed(p, arrivingFromEmitters(world_, choice.x, place, p.position, p.shadingNormal), leaving, key) / pi;
+            add(arrivingFromEmitters(world_, choice.x, place, p.position, p.shadingNormal), share, 1.0 / 16.0);
         }
         if (world_.scene.environment && world_.scene.environment->shines()) {
             const uint32_t dimension = 0x80000000u + 2 * key;
             const dvec2 choice = sample2(id_.pixel, id_.sample, dimension, bounds_.seed);
             const dvec2 place = sample2(id_.pixel, id_.sample, dimension + 1, bounds_.seed);
-            light += unshadowed(p, arrivingFromEnvironment(*world_.scene.environment, choice, place, p.shadingNormal),
-                                leaving, key) /
-                     pi;
+            add(arrivingFromEnvironment(*world_.scene.environment, choice, place, p.shadingNormal), share, 1.0 / 16.0);
         }
         return light;
     }
 
-    /// The irradiance of `light`, or none where it is behind the face or hidden.
+    /// The irradiance of `light`, or none where it is behind the smooth surface or hidden, or behind the face though nothing
+    /// lies above that.
     dvec3 unshadowed(const SurfacePoint& p, const Arriving& light, uint32_t leaving, uint32_t key) {
-        if (light.irradiance == dvec3(0.0) || glm::dot(p.normal, light.direction) <= 0.0) return dvec3(0.0);
+        const bool fromAbove = glm::dot(p.normal, light.direction) > 0.0;
+        if (light.irradiance == dvec3(0.0) || (!fromAbove && p.lift == dvec3(0.0))) return dvec3(0.0);
+        if (glm::dot(p.smoothNormal, light.direction) <= 0.0) return dvec3(0.0);
         if (!light.castsShadows) return light.irradiance;
         Ray shadow;
-        shadow.origin = leave(p, p.normal, id_, 4 * key + 2);
+        shadow.origin = leave(p, p.position + p.lift, p.normal, id_, 4 * key + 2);
         if (light.isFar) {
             shadow.direction = id_.rounding.direction(light.direction, 4 * key + 3);
         } else {
@@ -203,8 +275,12 @@ private:
             shadow.direction = end - shadow.origin;
             shadow.tMax = isPoint ? 1.0 : 1.0 - 1e-12;
         }
-        return world_.tree.blocked(shadow, world_.seeThrough, leaving, light.triangle) ? dvec3(0.0) : light.irradiance;
+        // Light from below the face's plane may be in the face's own shadow, as the ray starts above it.
+        const uint32_t passedOver = fromAbove ? leaving : noTriangle;
+        return transmittance(shadow, passedOver, light.triangle) * light.irradiance;
     }
+
+    static constexpr uint32_t mostPasses = 64;
 
     const World& world_;
     const Bounds& bounds_;

@@ -33,11 +33,15 @@ struct Radiance {
 /// The radiance along `ray` (unit direction), by Whitted's recursion with one emitter sample a shading point:
 ///   - nothing hit: the sky, or the environment;
 ///   - a surface's own emission, both sides;
-///   - diffuse reflection of the ambient light, of every light, of a random point of the emitters and of a random
-///     direction of the environment, where no opaque triangle is in between (surfaces that transmit cast no shadow: a simplification);
-///   - an opaque surface mirrors by `mirror`, growing to `gloss` at grazing [Schlick 1994]; one that transmits mirrors by
+///   - reflection, diffuse and by the lobe (reference/lobe.hpp), of the ambient light, of every light, of a random point of
+///     the emitters and of a random direction of the environment, where no opaque triangle is in between (surfaces that
+///     transmit cast no shadow: a simplification);
+///   - an opaque surface mirrors the share `gloss` of f0, growing to f90 at grazing [Schlick 1994], and the lobe brings the
+///     rest of the ambient light, of emitters and of the environment, and all of other lights; one that transmits mirrors by
 ///     Fresnel's law and transmits the rest, bent by Snell's law unless thin, and what is inside absorbs by Beer and
 ///     Lambert;
+///   - of a surface that alpha says is there in part only that part does all this: the rest of the ray goes straight on, as
+///     deep as before, through at most 64 such surfaces since the camera; so do shadow rays, which are dark after 64;
 ///   - what a ray runs through is what it entered last, and that is what it passes from; where it leaves a medium, but runs
 ///     through one that it entered later, it goes straight on as if nothing were there [Schmidt and Budge 2002, "Simple
 ///     Nested Dielectrics in Ray Traced Images"]. Media that are not closed are not remembered.

@@ -61,6 +61,20 @@ Emitters findEmitters(const Scene& scene, const Geometry& geometry, const Pyrami
     return emitters;
 }
 
+/// On the side of `normal`.
+dvec3 liftOf(const Geometry& geometry, const Corners& corners, const dvec3& weights, const dvec3& point,
+             const dvec3& normal) {
+    if (geometry.normals.empty()) return dvec3(0.0);
+    const std::array<dvec3, 3> at{corners.a, corners.b, corners.c};
+    std::array<dvec3, 3> normals;
+    for (int i = 0; i < 3; ++i) normals[i] = geometry.normals[corners.index[i]];
+    const double side = glm::dot(normals[0] + normals[1] + normals[2], normal) < 0.0 ? -1.0 : 1.0;
+    dvec3 lift(0.0);
+    for (int i = 0; i < 3; ++i)
+        lift -= weights[i] * std::min(0.0, side * glm::dot(point - at[i], normals[i])) * side * normals[i];
+    return glm::dot(lift, normal) > 0.0 ? lift : dvec3(0.0);
+}
+
 dvec3 interpolatedNormal(const Geometry& geometry, const uvec3& t, const dvec3& weights, const dvec3& otherwise) {
     if (geometry.normals.empty()) return otherwise;
     for (int i = 0; i < 3; ++i)
@@ -75,6 +89,8 @@ World::World(const Scene& s, const Geometry& g) : scene(s), geometry(g), tree(g)
     for (const Material& material : scene.materials) {
         surfaces.push_back(surfaceOf(material));
         seeThrough.push_back(largest(surfaces.back().transmission) > 0.0);
+        mayPass.push_back(mayLetPass(scene, material));
+        anyPass |= mayPass.back() != 0;
     }
     media = closedMedia(geometry, surfaces);
     emitters = findEmitters(scene, geometry, pyramids);
@@ -112,16 +128,40 @@ dvec3 emissionAt(const Place& p) {
     return dvec3(m.emission) * dvec3(lookUp(p, m.emissionTexture, true));
 }
 
+/// Where alpha is `varying` times the material's.
+double coverageOf(const World& world, uint32_t material, double varying) {
+    if (world.mayPass[material] == 0) return 1.0;
+    const Material& m = world.scene.materials[material];
+    const double alpha = m.alpha * (m.alphaVaries ? varying : 1.0);
+    return m.alphaCutoff > 0.0f ? (alpha >= leastAlpha(m) ? 1.0 : 0.0) : alpha;
+}
+
+double vertexAlpha(const Geometry& geometry, const uvec3& t, const dvec3& weights) {
+    const std::vector<float>& a = geometry.alphas;
+    return a.empty() ? 1.0 : weights.x * a[t.x] + weights.y * a[t.y] + weights.z * a[t.z];
+}
+
+double coverageAt(const Place& p) {
+    const double texture = lookUp(p, p.world.scene.materials[p.material].baseColorTexture, true).w;
+    return coverageOf(p.world, p.material, texture * vertexAlpha(p.world.geometry, p.corners.index, p.weights));
+}
+
 /// Applies the formulas of scene/surface.hpp to factors that vary over the surface.
 LocalSurface reduce(const World& world, uint32_t material, const dvec3& base, double metallic, double roughness) {
     const Material& m = world.scene.materials[material];
     const Surface& constant = world.surfaces[material];
     LocalSurface s;
     s.gloss = std::pow(std::max(0.0, 1.0 - 2.0 * roughness), 2.0);
-    s.diffuse = double{m.alpha} * base * ((1.0 - metallic) * (1.0 - m.transmission) + metallic * (1.0 - s.gloss));
-    s.mirror = s.gloss * glm::mix(dvec3(std::pow((m.ior - 1.0) / (m.ior + 1.0), 2.0)), base, metallic);
+    s.roughness = roughness;
+    s.diffuse = base * ((1.0 - metallic) * (1.0 - m.transmission));
+    s.metallic = metallic;
+    s.metal = base;
+    const double along = std::pow((m.ior - 1.0) / (m.ior + 1.0), 2.0);
+    const double shine = 1.0 - std::pow(std::max(0.0, 2.0 * roughness - 1.0), 2.0);
+    s.dielectric = shine * along;
+    s.grazing = shine * std::min(1.0, 50.0 * along);
     s.transmits = largest(constant.transmission) > 0.0;
-    s.transmission = constant.tintsThrough ? (1.0 - metallic) * m.transmission * base : dvec3(1.0 - double{m.alpha});
+    s.transmission = (1.0 - metallic) * m.transmission * base;
     s.ior = constant.ior;
     s.thin = constant.thin;
     s.absorption = constant.absorption;
@@ -170,11 +210,12 @@ SurfacePoint pointOnSphere(const World& world, const Ray& ray, const Hit& hit) {
     const uint32_t material = world.geometry.materials[hit.primitive];
     const Material& m = world.scene.materials[material];
     p.surface = reduce(world, material, m.baseColor, m.metallic, m.roughness);
+    p.surface.coverage = coverageOf(world, material, 1.0);
     p.medium = world.media[material];
     p.faceNormal = glm::normalize(ray.origin + hit.t * ray.direction - centre);
     p.position = centre + double{sphere.radius} * p.faceNormal;
     p.front = glm::dot(ray.direction, p.faceNormal) < 0.0;
-    p.normal = p.shadingNormal = p.front ? p.faceNormal : -p.faceNormal;
+    p.normal = p.smoothNormal = p.shadingNormal = p.front ? p.faceNormal : -p.faceNormal;
     p.magnitude = std::max(largest(centre), largest(centre - ray.origin)) + sphere.radius;
     return p;
 }
@@ -198,6 +239,8 @@ SurfacePoint surfaceAt(const World& world, const Ray& ray, const Hit& hit, doubl
     const double side = p.front ? 1.0 : -1.0;
     p.shadingNormal = interpolatedNormal(geometry, corners.index, weights, p.normal);
     if (glm::dot(p.shadingNormal, p.normal) < 0.0) p.shadingNormal = -p.shadingNormal;
+    p.smoothNormal = p.shadingNormal;
+    p.lift = liftOf(geometry, corners, weights, p.position, p.normal);
     p.shadingNormal = side * bentNormal(place, side * p.shadingNormal);
     const double lacking = 1.0 / 1024.0 + glm::dot(p.shadingNormal, ray.direction);
     if (lacking > 0.0 && p.shadingNormal != p.normal)
@@ -206,13 +249,21 @@ SurfacePoint surfaceAt(const World& world, const Ray& ray, const Hit& hit, doubl
         p.magnitude = std::max({p.magnitude, largest(corner), largest(corner - ray.origin)});
 
     const Material& m = world.scene.materials[material];
-    dvec3 base = dvec3(m.baseColor) * dvec3(lookUp(place, m.baseColorTexture, true));
+    const dvec4 color = lookUp(place, m.baseColorTexture, true);
+    dvec3 base = dvec3(m.baseColor) * dvec3(color);
     if (!geometry.colors.empty()) base *= blend(geometry.colors, corners.index, weights);
     const dvec4 rough = lookUp(place, m.roughnessTexture, false);
     p.surface = reduce(world, material, base, m.metallic * rough.z, m.roughness * rough.y);
     p.surface.emission = emissionAt(place);
+    p.surface.coverage = coverageOf(world, material, color.w * vertexAlpha(geometry, corners.index, weights));
     p.surface.openness = 1.0 + m.occlusionStrength * (lookUp(place, m.occlusionTexture, false).x - 1.0);
     return p;
+}
+
+double coverageAt(const World& world, const Hit& hit) {
+    const uint32_t material = world.geometry.materials[hit.primitive];
+    if (world.geometry.isSphere(hit.primitive)) return coverageOf(world, material, 1.0);
+    return coverageAt({world, material, cornersOf(world.geometry, hit.primitive), dvec3(1.0 - hit.u - hit.v, hit.u, hit.v)});
 }
 
 dvec3 skyRadiance(const Sky& sky, const dvec3& d) {
@@ -267,8 +318,8 @@ Arriving arrivingFromEmitters(const World& world, double choice, const dvec2& pl
     const double cosines =
         std::max(0.0, glm::dot(shadingNormal, result.direction)) * std::abs(glm::dot(normal, result.direction));
     const dvec3 weights((1.0 - root), root * (1.0 - place.y), root * place.y);
-    const dvec3 emission = emissionAt({world, world.geometry.materials[result.triangle], corners, weights});
-    result.irradiance = emission * (cosines / squared / (chance / emitters.areas[i]));
+    const Place there{world, world.geometry.materials[result.triangle], corners, weights};
+    result.irradiance = coverageAt(there) * emissionAt(there) * (cosines / squared / (chance / emitters.areas[i]));
     return result;
 }
 

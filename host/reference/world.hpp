@@ -21,6 +21,8 @@ struct World {
     const Geometry& geometry;
     Tree tree;
     std::vector<Surface> surfaces;    ///< one a material
+    std::vector<uint8_t> mayPass;     ///< one a material: 1 where it may let rays pass by its alpha
+    bool anyPass = false;
     std::vector<uint8_t> seeThrough;  ///< one a material: 1 where it transmits, and so casts no shadow
     std::vector<uint32_t> media;      ///< one a material: closedMedia()
     Emitters emitters;
@@ -32,15 +34,20 @@ struct World {
 
 /// A material as it is at a point, textures and vertex colours applied, in the terms of scene/surface.hpp.
 struct LocalSurface {
-    dvec3 diffuse{0.0};
-    dvec3 mirror{0.0};
+    dvec3 diffuse{0.0};       ///< before the share that the dielectric mirrors is taken off
+    double metallic = 0.0;    ///< the share that is metal; the rest is a dielectric
+    dvec3 metal{0.0};         ///< what the metal reflects along the normal; at grazing it reflects all
+    double dielectric = 0.0;  ///< what the dielectric reflects along the normal ...
+    double grazing = 0.0;     ///< ... and at grazing
     double gloss = 0.0;
+    double roughness = 1.0;
     dvec3 transmission{0.0};
     bool transmits = false;  ///< without textures: the surface is of the kind that lets light through
     double ior = 1.5;
     bool thin = true;
     dvec3 absorption{0.0};
     dvec3 emission{0.0};
+    double coverage = 1.0;  ///< how much of it is there: the rest of the light passes straight on
     double openness = 1.0;  ///< the share of ambient light that arrives
 };
 
@@ -51,7 +58,9 @@ struct SurfacePoint {
     dvec3 position;
     dvec3 faceNormal;     ///< unit, by the corners' order; of a sphere, outwards
     dvec3 normal;         ///< unit, the face's, turned against the ray
-    dvec3 shadingNormal;  ///< unit, interpolated, bent by the normal texture, turned against the ray
+    dvec3 smoothNormal;   ///< unit, interpolated, on the side of `normal`
+    dvec3 shadingNormal;  ///< unit, that bent by the normal texture, turned against the ray
+    dvec3 lift;           ///< from there to where shadow rays start
     bool front;
     double magnitude;  ///< the largest coordinate that went into the position: corners, and corners seen from the origin
 };
@@ -66,7 +75,14 @@ struct SurfacePoint {
 ///
 /// A texture's square (reference/texture.hpp) is as wide as the ray's ellipse on the triangle is long, `width` over the
 /// cosine, in texture coordinates by the triangle's areas in these and in the world.
+/// lift is zero where a vertex has no normal. Else the point is brought into the plane across the normal at each vertex if
+/// it lies below it; the lift goes to the mean of these three points, unless that lies below the face [Hanika 2021, "Hacking
+/// the Shadow Terminator"].
 SurfacePoint surfaceAt(const World& world, const Ray& ray, const Hit& hit, double width);
+
+/// The coverage of what is hit, textures unfiltered: alpha, times the base colour texture's and the vertices' where it
+/// varies; where there is a cutoff, 1 from that on, else 0.
+double coverageAt(const World& world, const Hit& hit);
 
 /// The sky's radiance in direction d (unit): blended by height d.y from horizon to zenith, and below from horizon to ground.
 dvec3 skyRadiance(const Sky& sky, const dvec3& d);

@@ -15,7 +15,7 @@ namespace {
 /// How many vertices and triangles the instances have, and which attributes.
 struct Extent {
     uint64_t vertices = 0, primitives = 0;
-    bool anyNormals = false, anyTangents = false, anyUvs = false, anyMoreUvs = false, anyColors = false;
+    bool anyNormals = false, anyTangents = false, anyUvs = false, anyMoreUvs = false, anyColors = false, anyAlphas = false;
 
     void add(const Mesh& mesh) {
         vertices += mesh.positions.size();
@@ -25,6 +25,7 @@ struct Extent {
         anyUvs |= !mesh.uvs.empty();
         anyMoreUvs |= !mesh.moreUvs.empty();
         anyColors |= !mesh.colors.empty();
+        anyAlphas |= !mesh.alphas.empty();
     }
 };
 
@@ -35,6 +36,7 @@ void makeRoom(const Extent& extent, Geometry& geometry) {
     if (extent.anyUvs) geometry.uvs.resize(extent.vertices, vec2(0.0f));
     if (extent.anyMoreUvs) geometry.moreUvs.resize(extent.vertices, vec2(0.0f));
     if (extent.anyColors) geometry.colors.resize(extent.vertices, vec3(1.0f));
+    if (extent.anyAlphas) geometry.alphas.resize(extent.vertices, 1.0f);
     geometry.triangles.resize(extent.primitives);
     geometry.materials.resize(extent.primitives);
 }
@@ -58,6 +60,7 @@ void transformVertices(const Mesh& mesh, const dmat4& toWorld, size_t first, Geo
             if (!mesh.uvs.empty()) geometry.uvs[first + i] = mesh.uvs[i];
             if (!mesh.moreUvs.empty()) geometry.moreUvs[first + i] = mesh.moreUvs[i];
             if (!mesh.colors.empty()) geometry.colors[first + i] = mesh.colors[i];
+            if (!mesh.alphas.empty()) geometry.alphas[first + i] = mesh.alphas[i];
         }
     });
 }
@@ -131,6 +134,7 @@ void storeMesh(const Mesh& mesh, const Geometry::Stored& stored, Geometry& geome
     std::ranges::copy(mesh.uvs, geometry.uvs.begin() + (mesh.uvs.empty() ? 0 : stored.firstVertex));
     std::ranges::copy(mesh.moreUvs, geometry.moreUvs.begin() + (mesh.moreUvs.empty() ? 0 : stored.firstVertex));
     std::ranges::copy(mesh.colors, geometry.colors.begin() + (mesh.colors.empty() ? 0 : stored.firstVertex));
+    std::ranges::copy(mesh.alphas, geometry.alphas.begin() + (mesh.alphas.empty() ? 0 : stored.firstVertex));
     for (size_t i = 0; i < mesh.triangles.size(); ++i)
         geometry.triangles[stored.firstTriangle + i] = mesh.triangles[i] + stored.firstVertex;
     for (uint32_t i = 0; i < stored.spheres; ++i)

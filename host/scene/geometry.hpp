@@ -17,7 +17,7 @@ namespace raig {
 /// Written out (flatten), the arrays hold every instance's vertices and primitives, in the world: the index of a primitive
 /// is its global id. As instances (gatherInstances), they hold every mesh once, in its own space, corners in the mesh's
 /// order, and `placed` says where it stands; only spheres are in the world in either form, each instance's.
-/// `normals`, `tangents`, `uvs`, `moreUvs` and `colors` are empty if no mesh has them.
+/// `normals`, `tangents`, `uvs`, `moreUvs`, `colors` and `alphas` are empty if no mesh has them.
 struct Geometry {
     std::vector<vec3> positions;
     std::vector<vec3> normals;            ///< unit, or zero where the mesh has none: use the face's own
@@ -25,6 +25,7 @@ struct Geometry {
     std::vector<vec2> uvs;
     std::vector<vec2> moreUvs;
     std::vector<vec3> colors;
+    std::vector<float> alphas;
     std::vector<uvec3> triangles;         ///< of a sphere (its index, noVertex, noVertex), in `spheres` or, kept, the mesh
     std::vector<Sphere> spheres;
     std::vector<uint32_t> materials;      ///< one a primitive

@@ -74,12 +74,22 @@ UvSource MaterialReader::add(size_t index) {
     for (int k = 0; k < 3; ++k) material.baseColor[k] = fraction(pbr.baseColorFactor[k], pbrPointer + "/baseColorFactor");
     material.metallic = fraction(pbr.metallicFactor, pbrPointer + "/metallicFactor");
     material.roughness = fraction(pbr.roughnessFactor, pbrPointer + "/roughnessFactor");
-    if (source.alphaMode == "BLEND") material.alpha = fraction(pbr.baseColorFactor[3], pbrPointer + "/baseColorFactor");
-    if (source.alphaMode == "MASK") remarks_.add("alpha masks are not cut out: masked surfaces are drawn whole");
+    if (source.alphaMode == "BLEND" || source.alphaMode == "MASK") {
+        material.alpha = fraction(pbr.baseColorFactor[3], pbrPointer + "/baseColorFactor");
+        material.alphaVaries = true;
+    }
+    // A cutoff of 0 leaves everything.
+    if (source.alphaMode == "MASK") {
+        material.alphaCutoff = amount(source.alphaCutoff, pointer + "/alphaCutoff");
+        if (material.alphaCutoff == 0.0f) material.alphaVaries = false;
+        if (material.alphaCutoff == 0.0f) material.alpha = 1.0f;
+    }
     double strength = 1.0;
     readExtensions(source.extensions, pointer, material, strength);
     for (int k = 0; k < 3; ++k)
         material.emission[k] = amount(source.emissiveFactor[k] * strength, pointer + "/emissiveFactor");
+    if (source.alphaMode == "BLEND" && material.transmission > 0.0f)
+        remarks_.add("alpha is left out where a material blends that lets light through by itself");
     UvSource uvSource = readTextures(source, pointer, material);
     scene_.materials.push_back(std::move(material));
     return uvSource;

@@ -299,6 +299,7 @@ void MeshReader::addUvs(int accessor, const std::string& pointer, size_t first, 
 
 void MeshReader::addColors(int accessor, const std::string& pointer, size_t first) {
     mesh_.colors.resize(mesh_.positions.size(), vec3(1.0f));
+    if (!mesh_.alphas.empty()) mesh_.alphas.resize(mesh_.positions.size(), 1.0f);
     if (accessor < 0) return;
     const bool hasAlpha = document_.model.accessors[accessor].type == TINYGLTF_TYPE_VEC4;
     checkType(document_, accessor,
@@ -311,6 +312,11 @@ void MeshReader::addColors(int accessor, const std::string& pointer, size_t firs
                .floats = true,
                .needsNormalized = true},
               pointer + "/attributes/COLOR_0");
+    if (hasAlpha || !mesh_.alphas.empty()) mesh_.alphas.resize(mesh_.positions.size(), 1.0f);
+    if (hasAlpha) {
+        const std::vector<vec4> all = readVec4(document_, accessor);
+        for (size_t i = 0; i < all.size(); ++i) mesh_.alphas[first + i] = std::clamp(finiteOr(all[i].w, 1.0f), 0.0f, 1.0f);
+    }
     const std::vector<vec3> colors = readVec3(document_, accessor);
     for (size_t i = 0; i < colors.size(); ++i)
         for (int k = 0; k < 3; ++k) mesh_.colors[first + i][k] = std::max(0.0f, finiteOr(colors[i][k], 1.0f));

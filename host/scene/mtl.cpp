@@ -228,8 +228,10 @@ Material toMaterial(const MtlMaterial& m) {
         material.baseColor = glm::min(kd + ks, 1.0f);
         material.metallic = luminance(ks) / luminance(kd + ks);
         material.roughness = m.ns ? blur : 0.0f;
-    } else {
-        material.roughness = illum <= 1 || !m.ns ? 1.0f : std::max(blur, 0.5f);
+    } else if (illum >= 2 && m.ns && luminance(ks) > 0.0f) {
+        const float reflectance = std::sqrt(0.08f * luminance(ks));
+        material.roughness = std::max(std::sqrt(blur), 0.5f);
+        material.ior = (1.0f + reflectance) / (1.0f - reflectance);
     }
     return material;
 }

@@ -40,7 +40,9 @@ struct Texture {
 struct Material {
     std::string name;
     vec3 baseColor{0.8f};
-    float alpha = 1.0f;  ///< coverage; below 1 only where the file blends
+    float alpha = 1.0f;         ///< coverage: the rest of the light passes straight on, as if nothing were there
+    bool alphaVaries = false;   ///< the base colour texture's alpha and the vertices' multiply it
+    float alphaCutoff = 0.0f;   ///< above 0: coverage is 1 where alpha is at least that, else 0
     float metallic = 0.0f;
     float roughness = 1.0f;
     float transmission = 0.0f;                ///< KHR_materials_transmission
@@ -64,7 +66,7 @@ struct Sphere {
 };
 
 /// Triangles in file order, then spheres in file order: so a mesh's primitives are numbered. `normals`, `tangents`, `uvs`,
-/// `moreUvs` and `colors` are empty or have one entry a vertex. Every index is in range; normals are unit length or zero,
+/// `moreUvs`, `colors` and `alphas` are empty or have one entry a vertex. Every index is in range; normals are unit length or zero,
 /// and so are tangents, whose w is 1 or -1; no promise is made about positions and spheres (they may be NaN).
 struct Mesh {
     std::string name;
@@ -74,6 +76,7 @@ struct Mesh {
     std::vector<vec2> uvs;
     std::vector<vec2> moreUvs;  ///< a second set
     std::vector<vec3> colors;
+    std::vector<float> alphas;  ///< of the colours
     std::vector<uvec3> triangles;
     std::vector<Sphere> spheres;
     std::vector<uint32_t> materials;  ///< one a primitive, an index into Scene::materials

@@ -57,6 +57,7 @@ Mesh withoutSpheres(const Mesh& source) {
     if (!mesh.uvs.empty()) mesh.uvs.resize(mesh.positions.size(), vec2(0.0f));
     if (!mesh.moreUvs.empty()) mesh.moreUvs.resize(mesh.positions.size(), vec2(0.0f));
     if (!mesh.colors.empty()) mesh.colors.resize(mesh.positions.size(), vec3(1.0f));
+    if (!mesh.alphas.empty()) mesh.alphas.resize(mesh.positions.size(), 1.0f);
     return mesh;
 }
 

@@ -47,6 +47,8 @@ Fault findMeshFault(const Mesh& mesh, size_t materialCount) {
         return fault("{} tangents for {} vertices", mesh.tangents.size(), vertexCount);
     if (!mesh.colors.empty() && mesh.colors.size() != vertexCount)
         return fault("{} colours for {} vertices", mesh.colors.size(), vertexCount);
+    if (!mesh.alphas.empty() && (mesh.alphas.size() != vertexCount || mesh.colors.empty()))
+        return fault("{} alphas for {} vertices with {} colours", mesh.alphas.size(), vertexCount, mesh.colors.size());
     if (mesh.materials.size() != mesh.primitiveCount())
         return fault("{} material indices for {} triangles and spheres", mesh.materials.size(), mesh.primitiveCount());
     for (size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -69,6 +71,8 @@ Fault findMeshFault(const Mesh& mesh, size_t materialCount) {
             return fault("tangent {} is neither unit, with a w of 1 or -1, nor zero", i);
     for (size_t i = 0; i < mesh.colors.size(); ++i)
         if (!isAmount(mesh.colors[i])) return fault("colour {} is negative or not finite", i);
+    for (size_t i = 0; i < mesh.alphas.size(); ++i)
+        if (!isFraction(mesh.alphas[i])) return fault("alpha {} is outside [0, 1]", i);
     return std::nullopt;
 }
 
@@ -96,6 +100,7 @@ Fault findMaterialFault(const Material& m, size_t imageCount) {
     if (!isAmount(m.attenuationColor)) return fault("attenuationColor is negative or not finite");
     if (!isAmount(m.attenuationDistance)) return fault("attenuationDistance is negative or not finite");
     if (!isFraction(m.alpha)) return fault("alpha is outside [0, 1]");
+    if (!isAmount(m.alphaCutoff)) return fault("alphaCutoff is negative or not finite");
     if (!isFraction(m.metallic)) return fault("metallic is outside [0, 1]");
     if (!isFraction(m.roughness)) return fault("roughness is outside [0, 1]");
     if (!isFraction(m.transmission)) return fault("transmission is outside [0, 1]");

@@ -62,6 +62,15 @@ struct TileStep {
     uint firstPixel;  // of the tile, in the order of pixelOf()
 };
 
+// Surfaces that a ray may pass straight through by their alpha, one after the other.
+CONSTANT uint MOST_PASSES = 64u;
+
+// The width a of a lobe (shaders/lobe.glsl) is at least this for lights without size, whose images in smooth surfaces no
+// samples would find otherwise, and for emitters and the environment, which are asked at one point at random: what is left of
+// their image beside the reflected ray's is blurred so far.
+CONSTANT float LEAST_SPREAD = 0.01f;
+CONSTANT float LEAST_SAMPLED_SPREAD = 0.0625f;
+
 // In the place of a slot that has finished.
 CONSTANT uint NO_SLOT = 0xffffffffu;
 
@@ -95,8 +104,8 @@ struct PendingRay {
     uint media;
     float travelled;
     uint passes;
-    uint unused0;
-    uint unused1;
+    float begin;         // distance from the origin that the ray goes on from
+    uint unused;
 };
 
 // A pixel that has all its samples, for now.
@@ -151,6 +160,9 @@ CONSTANT uint FEATURE_OCCLUSION_TEXTURES = 1u << 20u;
 CONSTANT uint FEATURE_TEXTURE_TRANSFORMS = 1u << 21u;
 CONSTANT uint FEATURE_MORE_UVS = 1u << 22u;            // a second set, which textures ask for
 CONSTANT uint FEATURE_TANGENTS = 1u << 23u;
+CONSTANT uint FEATURE_LOBES = 1u << 24u;               // surfaces that mirror what no reflected ray brings
+CONSTANT uint FEATURE_COVERAGE = 1u << 25u;            // surfaces that let rays pass by their alpha ...
+CONSTANT uint FEATURE_BLENDS = 1u << 26u;              // ... and some of them in part
 
 // The scene's data is an array of uvec4. A triangle is one element: its vertices and its material; and so is a sphere in its
 // place: where it is among the spheres, NO_VERTEX, NO_VERTEX, material. A sphere is one element: centre, radius. A vertex is
@@ -166,15 +178,15 @@ CONSTANT uint FEATURE_TANGENTS = 1u << 23u;
 //
 // A material is MATERIAL_STRIDE: base colour, metallic | emission, roughness | absorption, ior | transmission, alpha,
 // reflectance along the normal by ior, flags | textures of base colour, roughness, normal, emission (or NO_TEXTURE) |
-// texture of occlusion, its strength, the normal texture's scale, medium.
-CONSTANT uint MATERIAL_STRIDE = 6u;
+// texture of occlusion, its strength, the normal texture's scale, medium | alpha from which on it is there, 0 if it blends, 0, 0, 0.
+CONSTANT uint MATERIAL_STRIDE = 7u;
 CONSTANT uint TEXTURE_STRIDE = 3u;
 CONSTANT uint FRAME_INSTANCE_STRIDE = 6u;
 CONSTANT uint LIGHT_STRIDE = 4u;     // position type | direction range | intensity cos(outer) | cos(inner) shadows 0 0
 
 CONSTANT uint SURFACE_THIN = 1u;
 CONSTANT uint SURFACE_TRANSMITS = 2u;
-CONSTANT uint SURFACE_IS_VEIL = 4u;  // lets light through by alpha alone
+CONSTANT uint SURFACE_ALPHA_VARIES = 4u;
 CONSTANT uint NO_TEXTURE = 0xffffffffu;
 CONSTANT uint NO_VERTEX = 0xffffffffu;
 
