@@ -4,8 +4,8 @@
 // Whoever includes this declares what trace.glsl asks for, rayAt() and hints[] (HINTS_A_RAY each, those that there are
 // first), and includes trace.glsl and shared/items.glsl.
 
-// The nearest hit on what the hints of `ray` name, as far as traceRay() can take it up without loss; none where the ray meets
-// none of that.
+// The nearest hit on what the hints of `ray` name, as far as traceRay() can take it up without loss; none where the ray
+// meets none of that.
 Hit hitOfHints(uint ray) {
     Hit none = Hit(0.0f, 0.0f, 0.0f, NO_HIT);
     WalkRay world = prepareRay(rayAt(ray), header.lo, header.hi, header.unit);

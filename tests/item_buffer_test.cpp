@@ -1,4 +1,5 @@
-// Item buffers: whatever hints say, hits and pictures are those without, to the bit; and where nothing is hard, hints are right.
+// Item buffers: whatever hints say, hits and pictures are those without, to the bit; and where nothing is hard, hints are
+// right.
 #include "rays/item_buffer.hpp"
 
 #include "base/random.hpp"
@@ -283,7 +284,8 @@ TEST_P(Items, HoldNumbersThatFloatsDoNotTellApart) {
     };
     const BigArray& references = tracer->references();
     Raster raster(*device_, "items", find("item_corner"), find("item_word"),
-                  {{0, false}, {1, true}, {2, 1}, {3, 31}, {4, references.chunkCount()}, {5, references.chunkShift()}}, 64, 48);
+                  {{0, false}, {1, true}, {2, 1}, {3, 31}, {4, references.chunkCount()}, {5, references.chunkShift()}}, 64,
+                  48);
     Buffer list(*device_, 16);
     raster.bind(0, tracer->nodes());
     raster.bind(1, references);

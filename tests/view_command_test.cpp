@@ -78,8 +78,8 @@ TEST_F(ViewCommand, APictureWithoutASizeHasTheShapeThatTheCameraAsksFor) {
     const auto sizeOf = [&](const nlohmann::json& aspect) {
         file["cameras"][0]["perspective"]["aspectRatio"] = aspect;
         const std::string scene = folder.write("shaped.gltf", file.dump()).string();
-        const ProgramResult result = runProgram(RAIG_PROGRAM, {"render", scene, "-o", pathOf("shaped.pfm"), "--device", "cpu",
-                                                               "--spp", "1", "--max-depth", "0", "--json"});
+        const ProgramResult result = runProgram(RAIG_PROGRAM, {"render", scene, "-o", pathOf("shaped.pfm"), "--device",
+                                                               "cpu", "--spp", "1", "--max-depth", "0", "--json"});
         EXPECT_EQ(result.exitCode, 0) << result.errors;
         const auto json = nlohmann::json::parse(result.output);
         return std::pair(json["width"].get<int>(), json["height"].get<int>());

@@ -73,7 +73,8 @@ Survey surveyScene(const Options& options) {
     survey.numbers = measureScene(triangles);
     survey.features = featuresOf(survey.scene, survey.geometry);
     survey.materials = countUsedMaterials(survey.scene, survey.geometry);
-    survey.economy = measureEconomy(survey.scene, isWorthKeeping(survey.counts) ? gatherInstances(survey.scene) : survey.geometry);
+    survey.economy =
+        measureEconomy(survey.scene, isWorthKeeping(survey.counts) ? gatherInstances(survey.scene) : survey.geometry);
     survey.warnings = listWarnings(survey.numbers);
 
     Progress progress("structures");
@@ -108,7 +109,8 @@ std::string describeClips(const Scene& scene) {
 
 Json economyJson(const Economy& economy) {
     Json leftOut = Json::array();
-    for (const LeftOut& each : economy.leftOut) leftOut.push_back({{"name", each.name}, {"instructions", each.instructions}});
+    for (const LeftOut& each : economy.leftOut)
+        leftOut.push_back({{"name", each.name}, {"instructions", each.instructions}});
     return {{"used", economy.used},
             {"left_out", leftOut},
             {"instructions", economy.instructions},

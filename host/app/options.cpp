@@ -207,7 +207,8 @@ void addRender(CLI::App& app, Options& options) {
     addPrimaryOptions(command, options);
     addAovOptions(command, options);
     addToneOptions(command, options);
-    command.add_flag("-v,--verbose", options.verbose, "say what is left out as the scene has nothing of it, and what that saves");
+    command.add_flag("-v,--verbose", options.verbose,
+                     "say what is left out as the scene has nothing of it, and what that saves");
     addStructure(command, options);
     addCommon(command, options);
     command.footer("Examples:\n"

@@ -12,10 +12,11 @@ void addPrimaryOptions(CLI::App& command, Options& options) {
         options.primary = text == "ray" ? Primary::ray : Primary::raster;
     };
     command
-        .add_option_function<std::string>("--primary", parse,
-                                          "how camera rays find what they meet: ray, traced; or raster: the device draws the "
-                                          "scene first, which tells rays where to look; pictures are the same "
-                                          "(default: ray)")
+        .add_option_function<std::string>(
+            "--primary", parse,
+            "how camera rays find what they meet: ray, traced; or raster: the device draws the "
+            "scene first, which tells rays where to look; pictures are the same "
+            "(default: ray)")
         ->type_name("HOW");
 }
 

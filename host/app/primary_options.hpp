@@ -13,8 +13,8 @@ namespace raig {
 /// Adds --primary.
 void addPrimaryOptions(CLI::App& command, Options& options);
 
-/// Throws if what --primary asks for cannot be had there: usageError on the CPU path, deviceError on a device without a queue
-/// that draws.
+/// Throws if what --primary asks for cannot be had there: usageError on the CPU path, deviceError on a device without a
+/// queue that draws.
 void checkPrimary(const Options& options, const std::optional<DeviceInfo>& device);
 
 }  // namespace raig

@@ -142,7 +142,8 @@ void describe(const Picture& picture, const FrameOptions& frame, const Discarded
         log::note("samples: {}; {} pixels may be farther off", samplingText(frame, picture), s.unsettled);
     if (s.hintedRays > 0)
         log::note("item buffer: {} triangles drawn in {:.3f} s; {} of {} camera rays met something else ({:.2f} %)",
-                  s.drawnTriangles, s.drawSeconds, s.fallbacks, s.hintedRays, 100.0 * double(s.fallbacks) / double(s.hintedRays));
+                  s.drawnTriangles, s.drawSeconds, s.fallbacks, s.hintedRays,
+                  100.0 * double(s.fallbacks) / double(s.hintedRays));
     log::note("discarded weight: {:.2e} on average, {:.2e} at worst, in pixel ({}, {})", discarded.mean, discarded.worst,
               part.x + discarded.worstPixel % part.width, part.y + discarded.worstPixel / part.width);
     if (s.openMaterials > 0)
@@ -290,7 +291,8 @@ int render(const Options& options) {
     const Clock::time_point start = Clock::now();
     const std::unique_ptr<Setup> setup = prepare(options, options.inputs.front());
     Options one = options;
-    const nlohmann::ordered_json document = options.frames ? renderFrames(options, start, *setup) : renderOne(one, start, *setup);
+    const nlohmann::ordered_json document =
+        options.frames ? renderFrames(options, start, *setup) : renderOne(one, start, *setup);
     if (options.json) std::puts(document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     return static_cast<int>(ExitCode::done);
 }

@@ -27,8 +27,9 @@ void addToneOptions(CLI::App& command, Options& options) {
         options.stops = stops;
     };
     command
-        .add_option_function<std::string>("--exposure", parseExposure,
-                                          "light times 2^STOPS, or auto: middle grey on average (default: 0, where that can be seen)")
+        .add_option_function<std::string>(
+            "--exposure", parseExposure,
+            "light times 2^STOPS, or auto: middle grey on average (default: 0, where that can be seen)")
         ->type_name("STOPS");
     const auto parseTone = [&options](const std::string& text) {
         const std::optional<Tone> tone = findTone(text);

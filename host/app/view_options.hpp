@@ -10,8 +10,8 @@ class App;
 
 namespace raig {
 
-/// Adds --size, --camera, --eye, --at, --up, --fov, --crop, --aperture and --focus. They throw usageError for what is no number or
-/// out of range. Without --size there are side x side pixels, or as many in the shape that the camera asks for.
+/// Adds --size, --camera, --eye, --at, --up, --fov, --crop, --aperture and --focus. They throw usageError for what is no
+/// number or out of range. Without --size there are side x side pixels, or as many in the shape that the camera asks for.
 void addViewOptions(CLI::App& command, Options& options, uint32_t side);
 
 /// The lines of --help that tell what these options do to each other.

@@ -12,7 +12,8 @@
 namespace raig {
 
 InputFile::InputFile(const std::filesystem::path& path)
-    : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {  // a pipe would wait for its writer
+    : path_(path),
+      descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {  // a pipe would wait for its writer
     struct stat status {};
     const bool opened = descriptor_ >= 0 && ::fstat(descriptor_, &status) == 0;
     if (opened && S_ISREG(status.st_mode)) {

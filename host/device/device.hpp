@@ -79,7 +79,7 @@ struct DeviceOptions {
         0;                         ///< pretends one binding of a BigArray holds no more than these (tests); 0: as it is
     bool stagesTransfers = false;  ///< copies through a staging buffer even where memory could be mapped (tests)
     bool rayQuery = false;         ///< open it with DeviceFeatures::rayQuery, which must be there; buffers are made for it
-    bool graphics = false;         ///< its queue draws, too (device/raster.hpp): with DeviceFeatures::graphics, which must be there
+    bool graphics = false;  ///< its queue draws, too (device/raster.hpp): with DeviceFeatures::graphics, which must be there
     bool diskCache = true;         ///< keep compiled pipelines in the user's cache folder
 };
 

@@ -21,9 +21,9 @@ public:
     static constexpr uint32_t nothing = 0xffffffffu;
 
     /// Of pictures up to that size, at most largestSide(device) each way. Bindings and push constants are the vertex
-    /// shader's, read from its SPIR-V as a Kernel's are; the fragment shader has none, but the same specialization constants.
-    /// Requires a device opened with DeviceOptions::graphics. Throws limitError if memory is short, deviceError if the driver
-    /// cannot compile it.
+    /// shader's, read from its SPIR-V as a Kernel's are; the fragment shader has none, but the same specialization
+    /// constants. Requires a device opened with DeviceOptions::graphics. Throws limitError if memory is short, deviceError
+    /// if the driver cannot compile it.
     Raster(Device& device, std::string_view name, std::span<const uint32_t> vertex, std::span<const uint32_t> fragment,
            const Constants& constants, uint32_t width, uint32_t height);
     ~Raster();

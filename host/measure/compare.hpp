@@ -38,9 +38,9 @@ double positionTolerance(const Geometry& geometry, const Ray& ray, uint32_t id);
 ///   - the device names a triangle that the ray passes within its d of, no farther along the ray than the oracle's hit may
 ///     be with its triangle moved by its d along its normal, or where the oracle's triangle is within its d too (a shared
 ///     edge, duplicates); or
-///   - one of 64 rays moved sideways by up to the d of the oracle's primitive gets the device's answer from the reference, be
-///     it nothing or a triangle farther away (a silhouette). A hole in a closed surface is no tie: no ray nearby sees through
-///     it.
+///   - one of 64 rays moved sideways by up to the d of the oracle's primitive gets the device's answer from the reference,
+///     be it nothing or a triangle farther away (a silhouette). A hole in a closed surface is no tie: no ray nearby sees
+///     through it.
 /// `same` says nothing of t: compareHits measures that.
 ///
 /// Requires  oracle == tree.closest(widen(ray)). `device` may be anything.

@@ -29,7 +29,8 @@ struct ControlFindings {
 struct Control {
     uint32_t number;  ///< of the case
     std::string method;
-    /// In its unit: how often it fails, by the catalogue; where that gives no rate, as measured with twelve seeds, or both 0.
+    /// In its unit: how often it fails, by the catalogue; where that gives no rate, as measured with twelve seeds, or both
+    /// 0.
     double low, high;
     std::function<ControlFindings(const hard::Draw&)> run;
     uint32_t draws = 1;  ///< of the case: more where failures are rare, or differ from scene to scene

@@ -82,9 +82,9 @@ uint64_t count(size_t size, const Has& has) {
         std::plus<>());
 }
 
-/// The loop over single rays, at the beginning of a page. Where the linker happens to put it changed what is measured: of one
-/// source, some builds had 48 to 55 million robust primary rays a second in a small scene, others 75 to 85, as a program of
-/// Embree's calls alone has.
+/// The loop over single rays, at the beginning of a page. Where the linker happens to put it changed what is measured: of
+/// one source, some builds had 48 to 55 million robust primary rays a second in a small scene, others 75 to 85, as a program
+/// of Embree's calls alone has.
 constexpr size_t page = 4096;
 
 [[gnu::noinline, gnu::aligned(page)]] void askSingles(RTCScene scene, std::span<RTCRayHit> made, Query query) {

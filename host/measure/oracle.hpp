@@ -38,11 +38,11 @@ std::string describe(const Hit& hit);
 /// unless 89 binary orders of magnitude apart; where roundings of the products leave a sign open, the value counts as zero,
 /// so as on the edge.
 ///
-/// Rules     A triangle has its edges and corners, a sphere its surface, with the points where rays only touch it. A triangle
-///           is not hit by a ray in its plane, nor if a corner is not finite or lies beyond 1.844e18, nor is a sphere of
-///           which that holds for any point, or without a radius. Nothing is hit by a ray with a component that is not
-///           finite, without a direction, with tMin > tMax or tMax < 0. The nearest hit in [max(tMin, 0), tMax] counts; at
-///           equal distances, the lowest index.
+/// Rules     A triangle has its edges and corners, a sphere its surface, with the points where rays only touch it. A
+///           triangle is not hit by a ray in its plane, nor if a corner is not finite or lies beyond 1.844e18, nor is a
+///           sphere of which that holds for any point, or without a radius. Nothing is hit by a ray with a component that is
+///           not finite, without a direction, with tMin > tMax or tMax < 0. The nearest hit in [max(tMin, 0), tMax] counts;
+///           at equal distances, the lowest index.
 /// Tie       Let u = 2^-24, M the largest distance along an axis from the origin to the bounds, and the direction be scaled
 ///           to a largest component of magnitude [1, 2). The walks' contract (shaders/intersect.glsl) is that the point at
 ///           distance t is within 64 u M, along each axis, of the triangle that is hit: so t may differ from the exact one,

@@ -122,7 +122,8 @@ std::vector<std::string> describe(const Economy& economy) {
     std::vector<std::string> names;
     for (const LeftOut& each : economy.leftOut) names.push_back(fmt::format("{} ({})", each.name, each.instructions));
     if (!names.empty())
-        lines.push_back(fmt::format("left out, with the instructions that each would add to shading: {}", fmt::join(names, ", ")));
+        lines.push_back(
+            fmt::format("left out, with the instructions that each would add to shading: {}", fmt::join(names, ", ")));
     lines.push_back(fmt::format("shading has {} instructions of {}", economy.instructions, economy.allInstructions));
     if (economy.vertices > 0 && economy.vertexBytes < economy.allVertexBytes)
         lines.push_back(fmt::format("a vertex has {} bytes of {}: {} saved", economy.vertexBytes, economy.allVertexBytes,

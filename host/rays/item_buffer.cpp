@@ -107,7 +107,8 @@ void ItemBuffer::State::drawPieces(const ItemRect& rect, const ItemView& view, s
     for (size_t next = 0; next < draws.size() || clears;) {
         double together = 0.0;
         size_t end = next;
-        for (; end < draws.size() && together < atOnce; ++end) together += double(draws[end].triangles) * draws[end].instances;
+        for (; end < draws.size() && together < atOnce; ++end)
+            together += double(draws[end].triangles) * draws[end].instances;
         const double took = raster->draw(rect.width, rect.height, clears, push, draws.subspan(next, end - next));
         seconds += took;
         triangles += static_cast<uint64_t>(together);

@@ -91,7 +91,8 @@ ItemDraws DrawnGroups::seenBy(const ItemProjection& projection, uint64_t mostTri
         while (kept < seen.size() && triangles <= mostTriangles) triangles += bottoms_[placed_[seen[kept++]].bottom].count;
         seen.resize(kept);
     }
-    std::stable_sort(seen.begin(), seen.end(), [&](uint32_t a, uint32_t b) { return placed_[a].bottom < placed_[b].bottom; });
+    std::stable_sort(seen.begin(), seen.end(),
+                     [&](uint32_t a, uint32_t b) { return placed_[a].bottom < placed_[b].bottom; });
     for (uint32_t i = 0; i < seen.size(); ++i) {
         const uint32_t bottom = placed_[seen[i]].bottom;
         if (i > 0 && bottom == placed_[seen[i - 1]].bottom)

@@ -7,8 +7,8 @@ namespace raig {
 
 namespace {
 
-/// Where the pixels' clip coordinate a (-1 to 1 over `size` pixels) goes if only `count` of them, from `first` on, are drawn:
-/// the factor, and what is added.
+/// Where the pixels' clip coordinate a (-1 to 1 over `size` pixels) goes if only `count` of them, from `first` on, are
+/// drawn: the factor, and what is added.
 struct Window {
     double factor, shift;
 };

@@ -15,8 +15,8 @@ struct Emitter {
 };
 
 /// The usable triangles (no spheres) of emitting materials, in order of their ids, each picked with a probability
-/// proportional to its area times the luminance (0.2126 R + 0.7152 G + 0.0722 B) of its emission, of which a texture counts by its mean.
-/// Summed in double, rounded
+/// proportional to its area times the luminance (0.2126 R + 0.7152 G + 0.0722 B) of its emission, of which a texture counts
+/// by its mean. Summed in double, rounded
 /// once. Empty if nothing emits. Cost O(triangles) where a material emits, else O(materials).
 std::vector<Emitter> listEmitters(const Scene& scene, const Geometry& geometry);
 

@@ -58,8 +58,8 @@ public:
     /// As trace, any: but triangles marked as letting light through (Structure::markSeeThrough) are no hits.
     virtual TraceReport traceShadows(std::span<const Ray> rays, std::span<Hit> hits) = 0;
 
-    /// As traceShadows if `shadows`, else as trace, closest; and costs[i] = the nodes fetched and primitives tested by rays[i].
-    /// Slower: kernels that count are others than those that do not. Requires costs.size() == rays.size().
+    /// As traceShadows if `shadows`, else as trace, closest; and costs[i] = the nodes fetched and primitives tested by
+    /// rays[i]. Slower: kernels that count are others than those that do not. Requires costs.size() == rays.size().
     virtual TraceReport traceCosts(std::span<const Ray> rays, std::span<Hit> hits, bool shadows,
                                    std::span<uint32_t> costs) = 0;
 };
@@ -73,8 +73,8 @@ public:
     /// Records the trace of `count` rays of a device buffer (Ray, tightly packed) into another (Hit), and runs it to the
     /// end: rays whose walk is longer than one dispatch may be are taken up again until all are done.
     /// `shadows`: as traceShadows. The buffers must have storage usage; `count` > 0.
-    /// `hints` (shared/items.glsl, HINTS_A_RAY a ray; none for shadows) tell what each ray may meet: the hits are the same, to
-    /// the bit, but found sooner where a hint is right.
+    /// `hints` (shared/items.glsl, HINTS_A_RAY a ray; none for shadows) tell what each ray may meet: the hits are the same,
+    /// to the bit, but found sooner where a hint is right.
     virtual TraceReport traceBuffers(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows,
                                      const Buffer* hints = nullptr) = 0;
 

@@ -207,7 +207,8 @@ constexpr float faintAmbient = 0.03f;
 const char* const noLight = "no light: a headlight along the camera, a sky and some ambient light are used";
 const char* const noEnvironment = "no environment: ";  // how the remark begins
 
-/// The sky where the file has none, so that mirrors and glass have something to show. It goes with a sun whose irradiance is pi.
+/// The sky where the file has none, so that mirrors and glass have something to show. It goes with a sun whose irradiance is
+/// pi.
 constexpr Sky daySky = {.zenith = {0.28f, 0.44f, 0.72f}, .horizon = {0.85f, 0.88f, 0.92f}, .ground = {0.19f, 0.16f, 0.13f}};
 
 /// The irradiance of all suns: a directional light comes from outdoors.

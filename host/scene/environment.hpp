@@ -1,10 +1,10 @@
 /// Light from where nothing is, as a picture of all directions.
 ///
-/// Directions lie on an octahedron, unfolded to a square: of unit d, q = d / (|dx| + |dy| + |dz|) has (u, v) = (qx, qz) where
-/// dy >= 0, and below, what lies beyond the edges of that: (u, v) = ((1 - |qz|) sign qx, (1 - |qx|) sign qz). So [-1, 1]^2 is
-/// all of them, the middle +y; and what is within du dv of (u, v) has the solid angle du dv / |q|^3. To go either way takes
-/// no more than + - * / and square roots, which all devices have alike; an equirectangular picture would ask for sines.
-/// Source: Praun and Hoppe 2003, "Spherical Parametrization and Remeshing".
+/// Directions lie on an octahedron, unfolded to a square: of unit d, q = d / (|dx| + |dy| + |dz|) has (u, v) = (qx, qz)
+/// where dy >= 0, and below, what lies beyond the edges of that: (u, v) = ((1 - |qz|) sign qx, (1 - |qx|) sign qz). So [-1,
+/// 1]^2 is all of them, the middle +y; and what is within du dv of (u, v) has the solid angle du dv / |q|^3. To go either
+/// way takes no more than + - * / and square roots, which all devices have alike; an equirectangular picture would ask for
+/// sines. Source: Praun and Hoppe 2003, "Spherical Parametrization and Remeshing".
 #pragma once
 
 #include "base/vectors.hpp"

@@ -67,9 +67,9 @@ Scene importStl(const std::filesystem::path& path);   ///< ASCII and binary (sce
 /// Adds what a picture needs and the file lacks, each with a remark: a material; a camera in a three-quarter view that
 /// frames the usable triangles (PEERS' standard camera); and, if there is neither a light nor an emitting triangle, a
 /// headlight (directional, along the first camera, irradiance pi, without shadows) with a sky and some ambient light. A
-/// scene with light of its own gets a faint ambient light for what surfaces would send each other; if a sun is among it, that
-/// is as bright as goes with the sun, and there are a headlight as faint and a sky. A scene that is lit, and whose faces leave
-/// an open side, as a room without a front wall does, is looked into through that, along an axis.
+/// scene with light of its own gets a faint ambient light for what surfaces would send each other; if a sun is among it,
+/// that is as bright as goes with the sun, and there are a headlight as faint and a sky. A scene that is lit, and whose
+/// faces leave an open side, as a room without a front wall does, is looked into through that, along an axis.
 /// Where instances show more than 2^27 vertices and primitives, the view frames the boxes of meshes that stand in more than
 /// four places, instead of their triangles; so the cost stays O(vertices, primitives and instances stored).
 /// Throws limitError as checkPrimitiveCount does.

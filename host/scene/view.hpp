@@ -21,8 +21,8 @@ struct ViewChange {
 /// Ensures   - the camera stands at `eye`, and looks at `at`. With `eye` alone it looks at its `target` as before if it has
 ///             one; else in its direction as before, as the cameras of files have no point that they look at.
 ///           - axes are orthonormal, the picture's up is as near to `up` as they allow. Without `up`, a camera that is
-///             turned has +Y up; one that looks along +Y has its own up, and one that looks along that, too, its own direction. One
-///             that is not turned keeps its axes, to the bit.
+///             turned has +Y up; one that looks along +Y has its own up, and one that looks along that, too, its own
+///             direction. One that is not turned keeps its axes, to the bit.
 ///           - a camera that mirrors its picture still does.
 /// Throws usageError, in the words of the command line, if the eye is where it looks, if `up` is no direction or the one it
 /// looks in, and for an angle where the camera is orthographic.

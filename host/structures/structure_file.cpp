@@ -161,8 +161,9 @@ std::string StructureFile::options() const {
 
 void StructureFile::checkScene(uint32_t leastTriangles, uint64_t primitives, const SceneHash& hash) const {
     if (header_.leastTriangles != leastTriangles || header_.scenePrimitives != primitives || header_.sceneHash != hash)
-        throw broken(fmt::format("is of another scene, or of another version of it ({} triangles and spheres; this one has {})",
-                                 header_.scenePrimitives, primitives));
+        throw broken(
+            fmt::format("is of another scene, or of another version of it ({} triangles and spheres; this one has {})",
+                        header_.scenePrimitives, primitives));
 }
 
 Structure StructureFile::readUnchecked() {

@@ -5,10 +5,11 @@
 /// options it was built with, its sizes, a hash of the scene it was built over (structures/scene_hash.hpp), and checksums of
 /// itself and of the rest (XXH3 [Collet 2019]).
 ///
-/// Nothing that a file says is believed, but for what is only shown: its statistics and what its walk is called. Sizes are checked against the file's before memory is taken. Checksums tell
-/// accidents; against intent, a structure is used only if it keeps every invariant over the scene's own triangles
-/// (structures/structure_fault.hpp): its walks then end, stay inside the arrays and find what they should. That finds most
-/// files of an older layout, too. Reading a bvh with all checks takes some third of the time of building it.
+/// Nothing that a file says is believed, but for what is only shown: its statistics and what its walk is called. Sizes are
+/// checked against the file's before memory is taken. Checksums tell accidents; against intent, a structure is used only if
+/// it keeps every invariant over the scene's own triangles (structures/structure_fault.hpp): its walks then end, stay inside
+/// the arrays and find what they should. That finds most files of an older layout, too. Reading a bvh with all checks takes
+/// some third of the time of building it.
 ///
 /// Marks of triangles that let light through are not kept: they belong to the scene's materials.
 #pragma once
@@ -52,7 +53,8 @@ struct StructureFileBottom {
     uint64_t references;
 };
 
-/// Writes `structure`, which was built over `primitives` with `params`, whole or not at all. Throws inputError if that fails.
+/// Writes `structure`, which was built over `primitives` with `params`, whole or not at all. Throws inputError if that
+/// fails.
 void saveStructure(const std::filesystem::path& path, const Structure& structure, const BuildParams& params,
                    std::span<const Primitive> primitives);
 /// The same of what buildTwoLevels made over `scene`, of two levels or one.

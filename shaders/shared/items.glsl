@@ -10,7 +10,8 @@ const uint NO_HINT = 0xfffffffeu;  // not known, nor asked for
 // A ray may meet what its own place in the picture shows, or one of the three places nearest to that.
 const uint HINTS_A_RAY = 4u;
 
-// How points, in the structure's unit and relative to the eye, become those of clip space: (dot(x, (p, 1)), dot(y, ...), ...).
+// How points, in the structure's unit and relative to the eye, become those of clip space: (dot(x, (p, 1)), dot(y, ...),
+// ...).
 struct ItemView {
     vec4 x;
     vec4 y;
