@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <filesystem>
+
 namespace raig {
 namespace {
 
@@ -53,6 +55,21 @@ TEST_P(PrimaryOnDevice, TheSamePictureIsMadeEitherWay) {
     EXPECT_LE(byRaster["fallbacks"].get<int>(), 64 * 48 / 50);
     EXPECT_GE(byRaster["triangles"].get<int>(), 14);
     EXPECT_GT(byRaster["draw_s"].get<double>(), 0.0);
+}
+
+// A furnished room, and four samples a pixel, which lie beside what was drawn.
+TEST_P(PrimaryOnDevice, HintsAreSeldomWrongInARoom) {
+    if (!info.features.graphics) GTEST_SKIP() << info.name << " cannot draw";
+    const std::string room = RAIG_SOURCE_DIR "/../shared/scenes/rooms/white_room.glb";
+    if (!std::filesystem::exists(room)) GTEST_SKIP() << room << " is not here";
+    const Folder folder;
+    const ProgramResult result = runProgram(
+        RAIG_PROGRAM, {"render", room, "-o", folder.write("room.pfm", "").string(), "--size", "512x512", "--spp", "4",
+                       "--max-depth", "0", "--device", info.name, "--primary", "raster", "--json", "--quiet"});
+    ASSERT_EQ(result.exitCode, 0) << result.errors;
+    const auto primary = nlohmann::json::parse(result.output)["primary"];
+    EXPECT_EQ(primary["rays"], 4 * 512 * 512);
+    EXPECT_LE(primary["fallbacks"].get<int>(), 4 * 512 * 512 / 50);
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ using namespace shared;
 namespace {
 
 constexpr uint32_t mostItems = 1u << 22;  // at once: 32 MiB, and 48 of what they are drawn into
-constexpr uint32_t mostScale = 4;
+constexpr uint32_t mostWindows = 8;       // that a picture is drawn in, unless it has more pixels than go into these
+constexpr uint32_t mostScale = 5;
 constexpr uint32_t probesAcross = 16;
 
 std::span<const uint32_t> shaderOf(const Device& device, const char* name) {
@@ -137,10 +138,10 @@ ItemBuffer::~ItemBuffer() = default;
 
 void ItemBuffer::begin(const FrameParams& frame) {
     const uint64_t pixels = uint64_t{frame.partWidth} * frame.partHeight;
-    const uint64_t wanted = frame.samples > 1 ? 4 * uint64_t{frame.samples} : 1;
+    const uint64_t wanted = frame.samples > 1 ? 8 * uint64_t{frame.samples} : 1;
+    const auto fits = [&](uint64_t items) { return items <= wanted && pixels * items <= uint64_t{mostWindows} * mostItems; };
     uint32_t scale = 1;
-    while (scale < mostScale && (scale + 1) * (scale + 1) <= wanted && pixels * (scale + 1) * (scale + 1) <= mostItems)
-        ++scale;
+    while (scale < mostScale && fits((scale + 1) * (scale + 1))) ++scale;
     state_->window = {0, 0, scale, 0};
     state_->seconds = 0.0;
     state_->triangles = 0;

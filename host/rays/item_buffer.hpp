@@ -24,9 +24,9 @@ public:
     ItemBuffer(Device& device, const Structure& structure, DeviceTracer& tracer);
     ~ItemBuffer();
 
-    /// The next picture: nothing of it is drawn yet. Of several samples a pixel, which lie between items, there are four
-    /// items a sample, up to 4 x 4 a pixel, where they fit. How near the nearest thing is that will be drawn is seen by
-    /// tracing some hundred rays.
+    /// The next picture: nothing of it is drawn yet. Of several samples a pixel, which lie between items, there are up to
+    /// eight items a sample, 5 x 5 a pixel at most, where they fit. How near the nearest thing is that will be drawn is seen
+    /// by tracing some hundred rays.
     void begin(const shared::FrameParams& frame);
 
     /// Makes sure that rows [first, end) of the part, in pixels, are there; draws as many more as fit. Throws limitError if
