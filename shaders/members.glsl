@@ -21,7 +21,7 @@ void putAll(FrameParams s) {
     put(s.spheresAt); put(s.instancesAt); put(s.instanceCount);
     put(s.left); put(s.top); put(s.partWidth); put(s.partHeight);
     put(s.lensRadius); put(s.lensSlope); put(s.mediaAt); put(s.eyeMedia);
-    put(s.environmentAt); put(s.environmentSide); put(s.unused0); put(s.unused1);
+    put(s.environmentAt); put(s.environmentSide); put(s.reach); put(s.unused);
 }
 
 void putAll(ItemView s) { put(s.x); put(s.y); put(s.z); put(s.w); put(s.eye); put(s.instancesAt); }

@@ -12,7 +12,7 @@ void pass(uint i) {
     Ray ray = shadowRays[index];
     bool goesOn = false;
     if (hit.primitive != NO_HIT) {
-        precise float rest = 1.0f - shadeOf(hit);
+        precise float rest = 1.0f - shadeOf(hit, (FEATURES & FEATURE_AO) == 0u);
         goesOn = rest > 0.0f && now.compacts == 0u;
         vec4 contribution = contributions[index];
         float left = goesOn ? rest : 0.0f;

@@ -67,10 +67,10 @@ void storeShadowRay(uint index, ShadowRay shadow, SurfacePoint p, vec3 towardsEy
     contributions[index] = vec4(asked ? contribution : vec3(0.0f), 0.0f);
 }
 
-// Entry i of the list: its slot's ray rays[i] has met hits[i].
+// Entry i of the list: its slot's ray rays[i] has met hits[i]. Whitted's integrator.
 // Ensures  shadowRays[j * count + i] and contributions[...], for each j < frame.shadowRays, hold the j-th light's.
 // Cost     O(lights + log emitters). Only what has changed is stored, as storing costs as much as shading on some devices.
-void shade(uint i) {
+void shadeWhitted(uint i) {
     uint slot = slotList[now.listAt + i];
     bool working = slot != NO_SLOT;
     PathState state = beginPixel(0u);  // where there is no slot: any slot's is being written by its own entry
@@ -119,5 +119,14 @@ void shade(uint i) {
             states[slot].pendingCount = state.pendingCount;
         }
         if ((FEATURES & FEATURE_NESTED) != 0u) states[slot].forgotten = state.forgotten;
+    }
+}
+
+// The same by the integrator that the picture asks for.
+void shade(uint i) {
+    if ((FEATURES & FEATURE_AO) != 0u) {
+        shadeOcclusion(i);
+    } else {
+        shadeWhitted(i);
     }
 }

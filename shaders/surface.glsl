@@ -306,12 +306,13 @@ float coverageAt(uvec4 triangle, vec3 b) {
     return coverageOf(material, alpha);
 }
 
-// What is in the way of a shadow ray at `hit`: the coverage there; 0 if the surface lets light through by its material.
-float shadeOf(Hit hit) {
+// What is in the way of a shadow ray at `hit`: the coverage there; with `throughGlass` 0 if the surface lets light through by
+// its material.
+float shadeOf(Hit hit, bool throughGlass) {
     uvec4 triangle = facetOf(hit.primitive).triangle;
     precise float b0 = 1.0f - hit.u - hit.v;
     bool transmits = (scene_at(frame.materialsAt + triangle.w * MATERIAL_STRIDE + 3u).w & SURFACE_TRANSMITS) != 0u;
-    return transmits ? 0.0f : coverageAt(triangle, vec3(b0, hit.u, hit.v));
+    return transmits && throughGlass ? 0.0f : coverageAt(triangle, vec3(b0, hit.u, hit.v));
 }
 
 // Where the ray meets the triangle, with its normals and its material. `width` is that of the ray there.

@@ -28,9 +28,9 @@ public:
     TraceReport traceShadows(std::span<const Ray> rays, std::span<Hit> hits) override {
         return sound->traceShadows(rays, hits);
     }
-    TraceReport traceCosts(std::span<const Ray> rays, std::span<Hit> hits, bool shadows,
+    TraceReport traceCosts(std::span<const Ray> rays, std::span<Hit> hits, Query query, bool shadows,
                            std::span<uint32_t> costs) override {
-        return sound->traceCosts(rays, hits, shadows, costs);
+        return sound->traceCosts(rays, hits, query, shadows, costs);
     }
 
 private:

@@ -41,7 +41,7 @@ public:
     TraceReport traceShadows(std::span<const Ray> rays, std::span<Hit> hits) override {
         return summed(tracer->traceShadows(rays, hits));
     }
-    TraceReport traceCosts(std::span<const Ray>, std::span<Hit>, bool, std::span<uint32_t>) override {
+    TraceReport traceCosts(std::span<const Ray>, std::span<Hit>, Query, bool, std::span<uint32_t>) override {
         ADD_FAILURE() << "costs are not asked for";
         return {};
     }

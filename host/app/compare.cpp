@@ -3,6 +3,7 @@
 #include "app/compare_json.hpp"
 #include "app/compare_options.hpp"
 #include "app/compare_text.hpp"
+#include "app/integrator_options.hpp"
 #include "app/machine.hpp"
 #include "app/progress.hpp"
 #include "app/setup.hpp"
@@ -105,6 +106,8 @@ reference::Picture renderReference(const reference::World& world, const FrameOpt
     options.aperture = frame.aperture;
     options.focus = frame.focus;
     options.bounds = {frame.maxDepth, frame.minContribution, frame.seed};
+    options.integrator = frame.integrator;
+    options.reach = frame.reach;
     Progress progress("reference");
     return reference::render(world, options, [&](double done) {
         progress.update(done, done * double(frame.part().pixels()) * options.samples * (1 + options.roundings));
@@ -122,6 +125,7 @@ Json headOf(const Options& options, const Setup& setup, const FrameOptions& fram
             {"width", frame.width},
             {"height", frame.height},
             {"crop", {{"x", part.x}, {"y", part.y}, {"width", part.width}, {"height", part.height}}},
+            {"integrator", integratorNames[static_cast<size_t>(frame.integrator)]},
             {"samples", frame.samples},
             {"pixels_per_degree", options.pixelsPerDegree}};
 }
@@ -161,7 +165,8 @@ void compareRays(Setup& setup, const reference::Tree& tree, const FrameOptions& 
 
 int compareScene(const Options& options) {
     const std::unique_ptr<Setup> setup = prepare(options, options.inputs[0]);
-    const FrameOptions frame = frameOptions(options, setup->scene, /* defaultSamples= */ 1);
+    FrameOptions frame = frameOptions(options, setup->scene, /* defaultSamples= */ 1);
+    setIntegrator(options, setup->geometry, frame);
 
     SceneComparison found;
     Clock::time_point start = Clock::now();

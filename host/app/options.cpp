@@ -5,6 +5,7 @@
 #include "app/chart_options.hpp"
 #include "app/compare_options.hpp"
 #include "app/environment_options.hpp"
+#include "app/integrator_options.hpp"
 #include "app/primary_options.hpp"
 #include "app/sampling_options.hpp"
 #include "app/tone_options.hpp"
@@ -182,6 +183,7 @@ void addPicture(CLI::App& app, Options& options, uint32_t side) {
         ->type_name("X");
     addWholeNumber(app, "--spp", options.samples, 1, 65536, "samples a pixel");
     addFilterOption(app, options);
+    addIntegratorOptions(app, options);
 }
 
 void addPictureFile(CLI::App& app, Options& options, const std::string& description, bool required) {
@@ -223,8 +225,10 @@ void addRender(CLI::App& app, Options& options) {
                    "  raig render room.glb -o out.png --exposure auto --tonemap aces\n"
                    "  raig render room.glb -o out.png --primary raster\n"
                    "  raig render bunny.ply -o out.png --environment field.hdr --environment-rotate 90\n"
-                   "  raig render walk.glb -o walk.png --frames 0:47 --fps 24\n" +
-                   aovExamples() + viewHelp + samplingHelp + animationHelp + environmentHelp + toneHelp + aovHelp());
+                   "  raig render walk.glb -o walk.png --frames 0:47 --fps 24\n"
+                   "  raig render bunny.ply -o clay.png --integrator ao --spp 64\n" +
+                   aovExamples() + viewHelp + integratorHelp + samplingHelp + animationHelp + environmentHelp +
+                   toneHelp + aovHelp());
 }
 
 void addTrace(CLI::App& app, Options& options) {
@@ -264,6 +268,7 @@ void addCompare(CLI::App& app, Options& options) {
     command.footer("Examples:\n"
                    "  raig compare scene.glb\n"
                    "  raig compare scene.glb --camera 1 --size 1024x1024 --crop 512,256,64,64\n"
+                   "  raig compare scene.glb --integrator ao --spp 4\n"
                    "  raig compare a.png b.png -o difference.png --json\n"
                    "  raig compare out.exr reference.exr --fail-above flip_mean=0.01 --fail-below psnr=40\n"
                    "Files are taken as light: PNG is decoded from sRGB, alpha is left out. max, rmse and relmse are of\n"
@@ -454,6 +459,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv) {
     checkAnimationOptions(options);
     checkViewOptions(options);
     checkSamplingOptions(options);
+    checkIntegratorOptions(options);
     checkToneOptions(options);
     checkWrittenFiles(options);
     return options;

@@ -6,6 +6,7 @@
 #include "measure/compare_bounds.hpp"
 #include "rays/types.hpp"
 #include "scene/import.hpp"
+#include "scene/integrator.hpp"
 #include "scene/view.hpp"
 #include "structures/structure.hpp"
 
@@ -72,6 +73,8 @@ struct Options {
     double minContribution = 1.0 / 512.0;  ///< MIN_CONTRIB: no ray that contributes less is traced
     uint32_t samples = 0;                  ///< a pixel; 0: the command's own default
     Filter filter = Filter::box;
+    Integrator integrator = Integrator::whitted;
+    std::optional<float> aoDistance;       ///< how far ambient occlusion looks
 
     // Light, of the same.
     std::filesystem::path environment;  ///< a picture of what is where nothing is; empty: none

@@ -3,6 +3,7 @@
 #include "app/aov_layers.hpp"
 #include "app/aov_options.hpp"
 #include "app/commands.hpp"
+#include "app/integrator_options.hpp"
 #include "app/progress.hpp"
 #include "app/sampling_options.hpp"
 #include "app/setup.hpp"
@@ -48,9 +49,10 @@ bool isWanted(const Options& options, Aov aov) {
     return options.view == aov || std::ranges::find(options.aovs, aov) != options.aovs.end();
 }
 
-FrameOptions frameOptionsOf(const Options& options, Clock::time_point start, Scene& scene) {
-    FrameOptions frame = frameOptions(options, scene, usualSamples);
-    setSampling(options, scene, start, frame);
+FrameOptions frameOptionsOf(const Options& options, Clock::time_point start, Setup& setup) {
+    FrameOptions frame = frameOptions(options, setup.scene, usualSamples);
+    setIntegrator(options, setup.geometry, frame);
+    setSampling(options, setup.scene, start, frame);
     frame.keepsLevels = isWanted(options, Aov::level);
     frame.countsCosts = isWanted(options, Aov::cost);
     return frame;
@@ -114,6 +116,7 @@ Notes notesOf(const Options& options, const FrameOptions& frame, const Setup& se
     Notes notes = {{"Software", "raig"},
                    {"Scene", options.inputs.front().filename().string()},
                    {"Recursion", fmt::format("NIVELL_MAX {}, MIN_CONTRIB {}", frame.maxDepth, options.minContribution)},
+                   {"Integrator", integratorText(frame)},
                    {"Samples", samplingText(frame, picture)},
                    {"Structure", setup.structure.name}};
     if (frame.filter != Filter::box) notes.emplace_back("Filter", nameOf(frame.filter));
@@ -132,6 +135,7 @@ Notes notesOf(const Options& options, const FrameOptions& frame, const Setup& se
 void describe(const Picture& picture, const FrameOptions& frame, const Discarded& discarded) {
     const Crop part = frame.part();
     const FrameStatistics& s = picture.statistics;
+    if (frame.integrator != Integrator::whitted) log::note("integrator: {}", integratorText(frame));
     log::note(
         "picture: {} x {} in {:.3f} s ({:.3f} s of it to set up): {:.2f} Mrays, {:.2f} Mrays/s while tracing, depth {}",
         picture.width, picture.height, s.seconds, s.setupSeconds, raysTraced(s) * 1e-6,
@@ -180,6 +184,7 @@ nlohmann::ordered_json toJson(const Setup& setup, const FrameOptions& frame, con
             {"width", frame.width},
             {"height", frame.height},
             {"crop", {{"x", part.x}, {"y", part.y}, {"width", part.width}, {"height", part.height}}},
+            {"integrator", integratorNames[static_cast<size_t>(frame.integrator)]},
             {"samples", frame.samples},
             {"filter", nameOf(frame.filter)},
             {"max_depth", frame.maxDepth},
@@ -226,10 +231,10 @@ void addAovs(const Options& options, const AovView& view, nlohmann::ordered_json
 }
 
 /// Renders the scene that was prepared, as `options` say, writes the picture and tells of it. What --json prints of it.
-/// The exposure of `options` becomes that which was taken, whoever chose it.
+/// The exposure of `options`, and how far ambient occlusion looks, become what was taken, whoever chose it.
 /// `start`: when the picture's time began.
 nlohmann::ordered_json renderOne(Options& options, Clock::time_point start, Setup& setup) {
-    FrameOptions frame = frameOptionsOf(options, start, setup.scene);
+    FrameOptions frame = frameOptionsOf(options, start, setup);
     Picture picture;
     PrimaryHits hits;
     if (needsPicture(options)) picture = makePicture(setup, frame, options.primary);
@@ -250,6 +255,7 @@ nlohmann::ordered_json renderOne(Options& options, Clock::time_point start, Setu
     if (options.verbose && needsPicture(options)) describeSavings(setup, picture);
     if (view.range)
         log::note("view: {} from {:.6g} to {:.6g}", typeOf(*options.view).name, view.range->first, view.range->second);
+    if (frame.integrator == Integrator::ao) options.aoDistance = frame.reach;
     const bool isBlack = options.exposure == Exposure::suitable && shown.stops == 0.0;  // as far as can be told
     if (!options.view && !isBlack) {
         options.exposure = Exposure::stops;
@@ -258,6 +264,7 @@ nlohmann::ordered_json renderOne(Options& options, Clock::time_point start, Setu
     if (!options.json) return {};
     nlohmann::ordered_json document = toJson(setup, frame, picture, discarded);
     addSampling(frame, picture, document);
+    if (frame.integrator == Integrator::ao) document["ao_distance"] = frame.reach;  // null: no end
     document["output"] = options.output.string();
     document["time"] = options.moment.seconds ? nlohmann::json(*options.moment.seconds) : nlohmann::json(nullptr);
     document["exposure"] = shown.stops;
@@ -268,7 +275,8 @@ nlohmann::ordered_json renderOne(Options& options, Clock::time_point start, Setu
     return document;
 }
 
-/// A picture of each frame. The exposure that is found for the first holds for all, or they would flicker.
+/// A picture of each frame. The exposure, and how far ambient occlusion looks, that are found for the first hold for all, or
+/// they would flicker.
 nlohmann::ordered_json renderFrames(const Options& options, Clock::time_point start, Setup& setup) {
     Options each = options;
     nlohmann::ordered_json documents = nlohmann::ordered_json::array();

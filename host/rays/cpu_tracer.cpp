@@ -52,10 +52,10 @@ public:
         return run(rays, hits, {.anyHit = true, .skipSeeThrough = true});
     }
     /// One by one: walks count for all of the rays that they are given.
-    TraceReport traceCosts(std::span<const Ray> rays, std::span<Hit> hits, bool shadows,
+    TraceReport traceCosts(std::span<const Ray> rays, std::span<Hit> hits, Query query, bool shadows,
                            std::span<uint32_t> costs) override {
-        RAIG_CHECK(hits.size() == rays.size() && costs.size() == rays.size());
-        const WalkOptions options{.anyHit = shadows, .skipSeeThrough = shadows};
+        RAIG_CHECK(hits.size() == rays.size() && costs.size() == rays.size() && (!shadows || query == Query::any));
+        const WalkOptions options{.anyHit = query == Query::any, .skipSeeThrough = shadows};
         return runBlocks(rays.size(), [&](size_t begin, size_t end, WalkCounters& counters) {
             for (size_t i = begin; i < end; ++i) {
                 WalkCounters one;

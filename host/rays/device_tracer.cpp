@@ -139,23 +139,23 @@ public:
     TraceReport traceShadows(std::span<const Ray> rays, std::span<Hit> hits) override {
         return traceAll(rays, hits, {.query = Query::any, .shadows = true});
     }
-    TraceReport traceCosts(std::span<const Ray> rays, std::span<Hit> hits, bool shadows,
+    TraceReport traceCosts(std::span<const Ray> rays, std::span<Hit> hits, Query query, bool shadows,
                            std::span<uint32_t> costs) override {
         RAIG_CHECK_OP(costs.size(), ==, rays.size());
-        return traceAll(rays, hits, {shadows ? Query::any : Query::closest, shadows, costs});
+        return traceAll(rays, hits, {.query = query, .shadows = shadows, .costs = costs});
     }
 
     TraceReport traceBuffers(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows,
-                             const Buffer* hints) override {
+                             const Buffer* hints, uint32_t first) override {
         TraceReport report;
-        run(rays, hits, count, {.query = query, .shadows = shadows, .hints = hints}, report);
+        run(rays, hits, first, count, {.query = query, .shadows = shadows, .hints = hints}, report);
         return report;
     }
-    TraceReport traceBuffersCosts(Buffer& rays, Buffer& hits, uint32_t count, bool shadows, std::span<uint32_t> costs,
-                                  const Buffer* hints) override {
+    TraceReport traceBuffersCosts(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows,
+                                  std::span<uint32_t> costs, const Buffer* hints, uint32_t first) override {
         RAIG_CHECK_OP(costs.size(), ==, count);
         TraceReport report;
-        run(rays, hits, count, {shadows ? Query::any : Query::closest, shadows, costs, hints}, report);
+        run(rays, hits, first, count, {.query = query, .shadows = shadows, .costs = costs, .hints = hints}, report);
         return report;
     }
     const BigArray& nodes() const override { return nodes_; }
@@ -175,7 +175,7 @@ private:
             rayBuffer.uploadValues(rays.subspan(first, count));
             Ask some = ask;
             if (!ask.costs.empty()) some.costs = ask.costs.subspan(first, count);
-            run(rayBuffer, hitBuffer, count, some, report);
+            run(rayBuffer, hitBuffer, 0, count, some, report);
             hitBuffer.download(std::as_writable_bytes(hits.subspan(first, count)));
         }
         const double all = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -183,15 +183,17 @@ private:
         return report;
     }
 
-    void run(Buffer& rays, Buffer& hits, uint32_t count, const Ask& ask, TraceReport& report) {
+    void run(Buffer& rays, Buffer& hits, uint32_t begin, uint32_t count, const Ask& ask, TraceReport& report) {
         RAIG_CHECK(ask.hints == nullptr || (ask.query == Query::closest && !ask.shadows));
-        if (!ask.costs.empty()) makeCosts(count);
+        RAIG_CHECK(ask.query == Query::any || !ask.shadows);
+        const uint32_t end = begin + count;
+        if (!ask.costs.empty()) makeCosts(end);
         Buffer& counts = ask.costs.empty() ? counts_ : *costs_;
         Stages& stages = stagesOf(ask);
-        for (uint32_t first = 0; first < count;) {
+        for (uint32_t first = begin; first < end;) {
             if (!stages.pausing) {
                 SizedKernel& whole = kernelFor(ask, Stage::whole);
-                const uint32_t some = std::min(whole.size.rays(wholeSteps_), count - first);
+                const uint32_t some = std::min(whole.size.rays(wholeSteps_), end - first);
                 bind(whole.kernel, rays, hits, counts, ask);
                 // Saving state costs every ray; so it is done only once a structure has shown that it needs it.
                 const WalkCounters before = report.counters;
@@ -206,12 +208,13 @@ private:
             } else {
                 SizedKernel& beginning = kernelFor(ask, Stage::beginning);
                 SizedKernel& resuming = kernelFor(ask, Stage::resuming);
-                const uint32_t some = std::min(beginning.size.rays(firstSteps_), count - first);
+                const uint32_t some = std::min(beginning.size.rays(firstSteps_), end - first);
                 traceInPieces(beginning, resuming, rays, hits, {first, some, firstSteps_}, counts, ask, report);
                 first += some;
             }
         }
-        if (!ask.costs.empty()) costs_->download(std::as_writable_bytes(ask.costs), sizeof(Counts));
+        if (!ask.costs.empty())
+            costs_->download(std::as_writable_bytes(ask.costs), sizeof(Counts) + uint64_t{begin} * sizeof(uint32_t));
     }
 
     void traceInPieces(SizedKernel& beginning, SizedKernel& resuming, Buffer& rays, Buffer& hits, const Push& push,
@@ -266,7 +269,7 @@ private:
             const bool paired = stage == Stage::whole && paired_ && !costs;
             const Constants constants = {
                 {0, workgroupSize},
-                {1, /* ANY_HIT */ ask.query == Query::any || ask.shadows},
+                {1, /* ANY_HIT */ ask.query == Query::any},
                 {2, /* SKIP_SEE_THROUGH */ ask.shadows},
                 {3, walk_},
                 {4, /* COUNTING */ counting_ || costs},

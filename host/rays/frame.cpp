@@ -146,6 +146,8 @@ SlotBytes slotBytes(const FrameData& data) {
     return bytes;
 }
 
+uint32_t raysThroughGlass(const FrameData& data, uint32_t count) { return (data.features & FEATURE_AO) != 0 ? 0 : count; }
+
 uint32_t chooseSlots(uint32_t wanted, uint64_t mostSlots, const FrameData& data) {
     if (mostSlots < 1)
         throw limitError(
@@ -160,6 +162,7 @@ void checkOptions(const Scene& scene, const FrameOptions& options) {
     RAIG_CHECK(options.samples > 0 && options.samples <= 65536);
     RAIG_CHECK(options.tolerance == 0.0 || (options.tolerance > 0.0 && options.samples >= firstSamples));
     RAIG_CHECK_OP(options.camera, <, scene.cameras.size());
+    RAIG_CHECK(options.reach > 0.0f);
     RAIG_CHECK(options.focus > 0.0f && options.aperture >= 0.0f && options.aperture <= 1e6 * options.focus);
     const Crop part = options.part();
     RAIG_CHECK(part.liesIn(options.width, options.height));

@@ -13,12 +13,17 @@
 /// The camera's lens, if it has one, is thin: what is at distance z along the axis is blurred to a disk whose diameter, in
 /// the plane in focus at distance f, is aperture * |z - f| / z. An orthographic camera's blurs to aperture * |z - f| / f.
 ///
+/// With Integrator::ao a pixel is the share of directions, by their cosine, in which a surface meets nothing within a
+/// distance; all surfaces count alike, and where there is none it is white. One ray a sample asks. Source: Zhukov, Iones and
+/// Kronin 1998, "An Ambient Light Illumination Model".
+///
 /// Devices and the CPU run the same code, shaders/frame.glsl. The same command gives the same bits, whatever the tile size,
 /// the number of threads, or the run.
 #pragma once
 
 #include "rays/tracer.hpp"
 #include "scene/geometry.hpp"
+#include "scene/integrator.hpp"
 #include "scene/view.hpp"
 
 #include <chrono>
@@ -40,6 +45,8 @@ struct FrameOptions {
     Filter filter = Filter::box;              ///< by which samples make up a pixel
     uint32_t maxDepth = 8;                    ///< NIVELL_MAX: reflections and refractions below the camera ray
     float minContribution = 1.0f / 512.0f;    ///< MIN_CONTRIB
+    Integrator integrator = Integrator::whitted;
+    float reach = INFINITY;                   ///< of ambient occlusion: what is farther away hides nothing; > 0
     uint32_t seed = 0;
     uint32_t camera = 0;                      ///< index into Scene::cameras
     uint32_t tilePixels = 0;                  ///< pixels at work at once; 0: by memory and measured time
@@ -60,7 +67,7 @@ struct FrameOptions {
 
 struct FrameStatistics {
     uint64_t closestRays = 0;   ///< camera, reflected and transmitted rays
-    uint64_t shadowRays = 0;
+    uint64_t shadowRays = 0;    ///< those that ask for light, or for what is open
     uint64_t spared = 0;        ///< shadow rays that were not traced: the others of one a light for each closest ray
     uint32_t deepest = 0;       ///< reflections and refractions of the deepest ray
     uint64_t forgottenMedia = 0;  ///< how often rays entered more things within each other than they remember

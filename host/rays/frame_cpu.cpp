@@ -18,7 +18,7 @@ double secondsSince(Clock::time_point start) { return std::chrono::duration<doub
 /// Tiles in the CPU's memory: small enough to stay in its caches.
 class CpuTiles : public FrameTiles {
 public:
-    CpuTiles(FrameData& data, Tracer& tracer, uint32_t slots) : tracer_(tracer), slots_(slots) {
+    CpuTiles(FrameData& data, Tracer& tracer, uint32_t slots) : data_(data), tracer_(tracer), slots_(slots) {
         const SlotBytes bytes = slotBytes(data);
         const size_t shadowRays = size_t{slots} * data.params.shadowRays;
         list_.resize(2 * size_t{slots});
@@ -66,17 +66,29 @@ public:
         return tracer_.trace(std::span(rays_).first(count), std::span(hits_).first(count), Query::closest).seconds;
     }
     double traceShadows(uint32_t count) override {
-        return tracer_.traceShadows(std::span(shadowRays_).first(count), std::span(shadowHits_).first(count)).seconds;
+        const uint32_t through = raysThroughGlass(data_, count);
+        const auto rays = std::span(shadowRays_).first(count);
+        const auto hits = std::span(shadowHits_).first(count);
+        return tracer_.traceShadows(rays.first(through), hits.first(through)).seconds +
+               tracer_.trace(rays.subspan(through), hits.subspan(through), Query::any).seconds;
     }
     double traceCosts(std::span<uint32_t> costs) override {
         return tracer_
-            .traceCosts(std::span(rays_).first(costs.size()), std::span(hits_).first(costs.size()), false, costs)
+            .traceCosts(std::span(rays_).first(costs.size()), std::span(hits_).first(costs.size()), Query::closest, false,
+                        costs)
             .seconds;
     }
     double traceShadowsCosts(std::span<uint32_t> costs) override {
-        return tracer_
-            .traceCosts(std::span(shadowRays_).first(costs.size()), std::span(shadowHits_).first(costs.size()), true, costs)
-            .seconds;
+        const uint32_t through = raysThroughGlass(data_, static_cast<uint32_t>(costs.size()));
+        const auto rays = std::span(shadowRays_).first(costs.size());
+        const auto hits = std::span(shadowHits_).first(costs.size());
+        const auto trace = [&](size_t first, size_t count, bool shadows) {
+            return tracer_
+                .traceCosts(rays.subspan(first, count), hits.subspan(first, count), Query::any, shadows,
+                            costs.subspan(first, count))
+                .seconds;
+        };
+        return trace(0, through, true) + trace(through, costs.size() - through, false);
     }
     double traceShadowsToNearest(uint32_t count) override {
         return tracer_.trace(std::span(shadowRays_).first(count), std::span(shadowHits_).first(count), Query::closest)
@@ -84,7 +96,8 @@ public:
     }
     double traceShadowsToNearestCosts(std::span<uint32_t> costs) override {
         return tracer_
-            .traceCosts(std::span(shadowRays_).first(costs.size()), std::span(shadowHits_).first(costs.size()), false, costs)
+            .traceCosts(std::span(shadowRays_).first(costs.size()), std::span(shadowHits_).first(costs.size()),
+                        Query::closest, false, costs)
             .seconds;
     }
     void readList(uint32_t at, std::span<uint32_t> slots) override {
@@ -106,6 +119,7 @@ private:
         }
     }
 
+    const FrameData& data_;
     Tracer& tracer_;
     uint32_t slots_;
     FrameKernels kernels_;
@@ -128,7 +142,7 @@ Picture renderPicture(const Scene& scene, const Geometry& geometry, Tracer& trac
     checkOptions(scene, options);
     FrameData data = packFrame(scene, geometry);
     setView(scene, geometry, withMargin(options), data);
-    data.features = withOptions(data.features, options);
+    takeOptions(options, data);
     constexpr uint64_t tileBytes = uint64_t{64} << 20;
     CpuTiles tiles(data, tracer, chooseSlots(options.tilePixels, tileBytes / slotBytes(data).all, data));
     Picture picture;

@@ -198,11 +198,23 @@ void setView(const Scene& scene, const FrameOptions& options, FrameParams& param
     params.seed = options.seed;
     params.maxDepth = options.maxDepth;
     params.minContribution = options.minContribution;
+    params.reach = std::min(options.reach, FAR_AWAY);
     params.zenith = scene.sky.zenith;
     params.horizon = scene.sky.horizon;
     params.ground = scene.sky.ground;
     params.ambient = scene.ambient;
 }
+
+namespace {
+
+/// What the place, the normals and the coverage of a hit are found by. (How vertices are laid out is a matter of the scene's
+/// features.)
+constexpr uint32_t featuresOfCoverage = FEATURE_COVERAGE | FEATURE_BLENDS | FEATURE_COLORS | FEATURE_COLOR_TEXTURES;
+constexpr uint32_t featuresOfShapes = FEATURE_NORMALS | FEATURE_UVS | FEATURE_SPHERES | FEATURE_INSTANCES |
+                                      FEATURE_TEXTURES | FEATURE_NORMAL_TEXTURES | FEATURE_TEXTURE_TRANSFORMS |
+                                      FEATURE_MORE_UVS | FEATURE_TANGENTS;
+
+}  // namespace
 
 void setView(const Scene& scene, const Geometry& geometry, const FrameOptions& options, FrameData& data) {
     setView(scene, options, data.params);
@@ -214,6 +226,18 @@ uint32_t withOptions(uint32_t features, const FrameOptions& options) {
     if (options.filter == Filter::tent) features |= FEATURE_TENT;
     if (options.filter == Filter::gauss) features |= FEATURE_GAUSS;
     return (features & ~FEATURE_LENS) | (options.aperture > 0.0f ? FEATURE_LENS : 0);
+}
+
+void takeOptions(const FrameOptions& options, FrameData& data) {
+    data.features = data.sceneFeatures;
+    data.params.shadowRays = data.sceneShadowRays;
+    if (options.integrator == Integrator::ao) {
+        const bool covers = (data.features & FEATURE_COVERAGE) == 0;
+        data.features = (data.features & (covers ? featuresOfShapes : featuresOfShapes | featuresOfCoverage)) | FEATURE_AO;
+        if ((data.features & (FEATURE_NORMAL_TEXTURES | FEATURE_COLOR_TEXTURES)) == 0) data.features &= ~FEATURE_TEXTURES;
+        data.params.shadowRays = 1;
+    }
+    data.features = withOptions(data.features, options);
 }
 
 FrameData packFrame(const Scene& scene, const Geometry& geometry, bool keepsUvs) {
@@ -235,6 +259,8 @@ FrameData packFrame(const Scene& scene, const Geometry& geometry, bool keepsUvs)
     packEnvironment(scene, packer, data);
     packGeometry(geometry, packer, data);
     packInstances(geometry, packer, data);
+    data.sceneFeatures = data.features;
+    data.sceneShadowRays = data.params.shadowRays;
     return data;
 }
 

@@ -12,7 +12,9 @@ namespace raig {
 /// What shaders/shared/frame.glsl describes. Absent things (normals, textures, ...) take no memory.
 struct FrameData {
     std::vector<uvec4> elements;
-    uint32_t features = 0;       ///< FEATURE_*
+    uint32_t features = 0;       ///< FEATURE_*: of the scene, or of a picture of it, see takeOptions()
+    uint32_t sceneFeatures = 0;
+    uint32_t sceneShadowRays = 0;
     Media media;
     shared::FrameParams params{};  ///< where what is; camera and picture come from setView(), `slots` from who makes room
 };
@@ -31,8 +33,12 @@ void setView(const Scene& scene, const FrameOptions& options, shared::FrameParam
 /// The same, and what media the eye is in.
 void setView(const Scene& scene, const Geometry& geometry, const FrameOptions& options, FrameData& data);
 
-/// `features`, and what the options ask for besides.
+/// `features`, and what the camera that the options ask for takes besides.
 uint32_t withOptions(uint32_t features, const FrameOptions& options);
+
+/// Makes `data` that of a picture with these options: features that its integrator has no use for are left out, others come
+/// in.
+void takeOptions(const FrameOptions& options, FrameData& data);
 
 /// Where a pixel of the whole picture is in the part that is rendered, which it lies in, row by row.
 inline size_t placeInPart(uint32_t pixel, const shared::FrameParams& params) {

@@ -88,7 +88,7 @@ class DeviceTiles : public FrameTiles {
 public:
     DeviceTiles(Device& device, const FrameData& data, const BigArray& scene, FrameKernelSet& kernels, Commands& commands,
                 DeviceTracer& tracer, Hints* hints)
-        : tracer_(tracer), hints_(hints), kernels_(kernels), commands_(commands), params_(data.params),
+        : data_(data), tracer_(tracer), hints_(hints), kernels_(kernels), commands_(commands), params_(data.params),
           slots_(data.params.slots),
           software_(device.info().type == DeviceType::software), frame_(device, sizeof(FrameParams)),
           count_(device, sizeof(uint32_t)), list_(device, 2 * sizeof(uint32_t) * uint64_t{slots_}),
@@ -124,23 +124,40 @@ public:
         });
     }
     double traceShadows(uint32_t count) override {
-        return tracer_.traceBuffers(shadowRays_, shadowHits_, count, Query::any, true).seconds;
+        const uint32_t through = raysThroughGlass(data_, count);
+        double seconds = 0.0;
+        if (through > 0) seconds += tracer_.traceBuffers(shadowRays_, shadowHits_, through, Query::any, true).seconds;
+        if (count > through)
+            seconds += tracer_
+                           .traceBuffers(shadowRays_, shadowHits_, count - through, Query::any, false,
+                                         /* hints= */ nullptr, through)
+                           .seconds;
+        return seconds;
     }
     double traceCosts(std::span<uint32_t> costs) override {
         const auto count = static_cast<uint32_t>(costs.size());
         return hinted(count, [&](const Buffer* hints) {
-            return tracer_.traceBuffersCosts(rays_, hits_, count, false, costs, hints);
+            return tracer_.traceBuffersCosts(rays_, hits_, count, Query::closest, false, costs, hints);
         });
     }
     double traceShadowsCosts(std::span<uint32_t> costs) override {
-        return tracer_.traceBuffersCosts(shadowRays_, shadowHits_, static_cast<uint32_t>(costs.size()), true, costs).seconds;
+        const auto count = static_cast<uint32_t>(costs.size());
+        const uint32_t through = raysThroughGlass(data_, count);
+        const auto trace = [&](uint32_t first, uint32_t some, bool shadows) {
+            if (some == 0) return 0.0;
+            return tracer_
+                .traceBuffersCosts(shadowRays_, shadowHits_, some, Query::any, shadows, costs.subspan(first, some),
+                                   /* hints= */ nullptr, first)
+                .seconds;
+        };
+        return trace(0, through, true) + trace(through, count - through, false);
     }
     double traceShadowsToNearest(uint32_t count) override {
         return tracer_.traceBuffers(shadowRays_, shadowHits_, count, Query::closest, false).seconds;
     }
     double traceShadowsToNearestCosts(std::span<uint32_t> costs) override {
-        return tracer_.traceBuffersCosts(shadowRays_, shadowHits_, static_cast<uint32_t>(costs.size()), false, costs)
-            .seconds;
+        const auto count = static_cast<uint32_t>(costs.size());
+        return tracer_.traceBuffersCosts(shadowRays_, shadowHits_, count, Query::closest, false, costs).seconds;
     }
     void readList(uint32_t at, std::span<uint32_t> slots) override {
         list_.download(std::as_writable_bytes(slots), sizeof(uint32_t) * uint64_t{at});
@@ -173,6 +190,7 @@ private:
         if (declared.contains(11)) kernel.bind(11, scene);
     }
 
+    const FrameData& data_;
     DeviceTracer& tracer_;
     Hints* hints_;           ///< of tiles that begin, whose pixels lie together
     bool isHinted_ = false;  ///< the tile at work
@@ -205,9 +223,10 @@ struct DeviceFrame::State {
     }
 
     /// Makes the kernels for what the scene and a picture have, unless there are such.
-    void specialize(uint32_t features, bool resumes, bool hints) {
-        if (features != data.features) kernels = {};
-        data.features = features;
+    void specialize(bool resumes, bool hints) {
+        const uint32_t features = data.features;
+        if (features != kernelFeatures) kernels = {};
+        kernelFeatures = features;
         const bool passes = (features & FEATURE_COVERAGE) != 0;
         for (size_t i = 0; i < kernels.size(); ++i) {
             const bool isWanted = i < resumeKernel || (i == resumeKernel && resumes) || (i == passKernel && passes) ||
@@ -229,6 +248,7 @@ struct DeviceFrame::State {
     FrameData data;
     BigArray elements;
     FrameKernelSet kernels;
+    uint32_t kernelFeatures = 0;
     Commands commands;
     const Structure* drawn = nullptr;  ///< the structure that `items` is of
     std::unique_ptr<ItemBuffer> items;
@@ -249,8 +269,8 @@ Picture DeviceFrame::render(const FrameOptions& options, const FrameProgress& pr
     State& state = *state_;
     checkOptions(state.scene, options);
     setView(state.scene, state.geometry, withMargin(options), state.data);
-    state.specialize(withOptions(state.data.features, options), options.tolerance > 0.0 || options.deadline,
-                     options.itemsOf != nullptr);
+    takeOptions(options, state.data);
+    state.specialize(options.tolerance > 0.0 || options.deadline, options.itemsOf != nullptr);
     state.data.params.slots = chooseSlots(options.tilePixels, mostSlots(state.device, state.data), state.data);
     std::optional<Hints> hints;
     if (options.itemsOf)

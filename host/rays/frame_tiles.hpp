@@ -18,6 +18,9 @@ struct SlotBytes {
 
 SlotBytes slotBytes(const FrameData& data);
 
+/// Of `count` shadow rays of a step, the first so many pass surfaces that let light through; the others meet all.
+uint32_t raysThroughGlass(const FrameData& data, uint32_t count);
+
 /// Slots and the kernels that work on them. Calls run to their end.
 class FrameTiles {
 public:

@@ -58,9 +58,10 @@ public:
     /// As trace, any: but triangles marked as letting light through (Structure::markSeeThrough) are no hits.
     virtual TraceReport traceShadows(std::span<const Ray> rays, std::span<Hit> hits) = 0;
 
-    /// As traceShadows if `shadows`, else as trace, closest; and costs[i] = the nodes fetched and primitives tested by
-    /// rays[i]. Slower: kernels that count are others than those that do not. Requires costs.size() == rays.size().
-    virtual TraceReport traceCosts(std::span<const Ray> rays, std::span<Hit> hits, bool shadows,
+    /// As traceShadows if `shadows`, else as trace; and costs[i] = the nodes fetched and primitives tested by rays[i].
+    /// Slower: kernels that count are others than those that do not. Requires costs.size() == rays.size(), and Query::any
+    /// for shadows.
+    virtual TraceReport traceCosts(std::span<const Ray> rays, std::span<Hit> hits, Query query, bool shadows,
                                    std::span<uint32_t> costs) = 0;
 };
 
@@ -73,14 +74,14 @@ public:
     /// Records the trace of `count` rays of a device buffer (Ray, tightly packed) into another (Hit), and runs it to the
     /// end: rays whose walk is longer than one dispatch may be are taken up again until all are done.
     /// `shadows`: as traceShadows. The buffers must have storage usage; `count` > 0.
-    /// `hints` (shared/items.glsl, HINTS_A_RAY a ray; none for shadows) tell what each ray may meet: the hits are the same,
-    /// to the bit, but found sooner where a hint is right.
+    /// `hints` (shared/items.glsl, HINTS_A_RAY a ray; none for shadows) tell what each ray may meet: the hits are the same, to
+    /// the bit, but found sooner where a hint is right. `first`: which ray, and hit, of the buffers is the first of them.
     virtual TraceReport traceBuffers(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows,
-                                     const Buffer* hints = nullptr) = 0;
+                                     const Buffer* hints = nullptr, uint32_t first = 0) = 0;
 
     /// As traceBuffers, and costs of each ray as traceCosts has them. Requires costs.size() == count.
-    virtual TraceReport traceBuffersCosts(Buffer& rays, Buffer& hits, uint32_t count, bool shadows,
-                                          std::span<uint32_t> costs, const Buffer* hints = nullptr) = 0;
+    virtual TraceReport traceBuffersCosts(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows,
+                                          std::span<uint32_t> costs, const Buffer* hints = nullptr, uint32_t first = 0) = 0;
 
     /// The structure's arrays on the device.
     virtual const BigArray& nodes() const = 0;

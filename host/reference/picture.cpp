@@ -2,11 +2,12 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "reference/directions.hpp"
+#include "reference/occlusion.hpp"
 #include "reference/sampling.hpp"
 
 #include <algorithm>
 #include <mutex>
-#include <numbers>
 
 namespace raig::reference {
 
@@ -21,16 +22,9 @@ dvec2 halfSize(const Camera& camera, double aspect) {
     return {halfHeight * aspect, halfHeight};
 }
 
-/// The point of the unit disk that the concentric map sends one of the unit square to [Shirley and Chiu 1997, "A Low
-/// Distortion Map Between Disk and Square"]: the square of half side r goes to the circle of radius r.
-dvec2 inDisk(const dvec2& square) {
-    constexpr double quarter = std::numbers::pi / 4.0;
-    const dvec2 p = 2.0 * square - 1.0;
-    if (p == dvec2(0.0)) return p;
-    const bool isAside = std::abs(p.x) > std::abs(p.y);
-    const double radius = isAside ? p.x : p.y;
-    const double angle = isAside ? quarter * p.y / p.x : 2.0 * quarter - quarter * p.x / p.y;
-    return radius * dvec2(std::cos(angle), std::sin(angle));
+Radiance radianceAlong(const World& world, const PictureOptions& options, const Ray& ray, const SampleId& id) {
+    if (options.integrator == Integrator::ao) return openness(world, ray, options.reach, options.bounds, id);
+    return traceRay(world, ray, options.bounds, id);
 }
 
 /// The share of Gauss's curve, of standard deviation 1, that is below x.
@@ -83,7 +77,7 @@ Radiance shadePixel(const World& world, const PictureOptions& options, const Nes
             ray.origin = id.rounding.position(ray.origin, eye, 0);
             ray.direction = id.rounding.direction(ray.direction, 1);
         }
-        const Radiance radiance = traceRay(world, ray, options.bounds, id);
+        const Radiance radiance = radianceAlong(world, options, ray, id);
         mean.value += radiance.value;
         mean.discarded += radiance.discarded;
         mean.brightest = std::max(mean.brightest, radiance.brightest);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "reference/whitted.hpp"
+#include "scene/integrator.hpp"
 #include "scene/view.hpp"
 
 #include <functional>
@@ -16,6 +17,8 @@ struct PictureOptions {
     uint32_t camera = 0;   ///< an index into Scene::cameras
     Filter filter = Filter::box;
     Bounds bounds;
+    Integrator integrator = Integrator::whitted;
+    double reach = INFINITY;     ///< how far ambient occlusion looks
     std::optional<Crop> crop{};  ///< only this part of it
     double aperture = 0.0;       ///< diameter of the lens, in scene units; 0: a pinhole
     double focus = INFINITY;     ///< distance along the camera's axis at which the picture is sharp
@@ -41,7 +44,7 @@ struct Picture {
 /// Requires px < width, py < height, sample < options.samples. The direction is unit length.
 Ray cameraRay(const Camera& camera, const PictureOptions& options, uint32_t px, uint32_t py, uint32_t sample);
 
-/// Renders by traceRay, over all cores; the same bits whatever their number.
+/// Renders by traceRay or openness, over all cores; the same bits whatever their number.
 ///
 /// Requires  options.camera < scene.cameras.size(), a size of at least 1 x 1, a crop that lies in it.
 /// Ensures   a pixel is the mean of its samples. `progress`, if given, is told the share done from 0 to 1, from any thread

@@ -4,6 +4,7 @@
 #include "reference/lobe.hpp"
 #include "reference/optics.hpp"
 #include "reference/sampling.hpp"
+#include "reference/shadows.hpp"
 
 #include <algorithm>
 
@@ -128,14 +129,6 @@ Scattering scatter(const SurfacePoint& p, const dvec3& d, const Passing& passing
     return result;
 }
 
-/// Where a ray that starts at `from` leaves the surface, on the side that `side` points to. Double precision needs hardly
-/// any offset, as the triangle that is left is known; a rounded origin stays on its side, as float renderers see to that.
-dvec3 leave(const SurfacePoint& p, const dvec3& from, const dvec3& side, const SampleId& id, uint32_t key) {
-    const dvec3 rounded = id.rounding.position(from, p.magnitude, key) - from;
-    const double height = glm::dot(rounded, side);
-    return from + (height < 0.0 ? rounded - 2.0 * height * side : rounded) + 1e-12 * p.magnitude * side;
-}
-
 /// One sample's recursion.
 class Recursion {
 public:
@@ -212,21 +205,6 @@ private:
             if (weight[channel] > 0.0) brightest_ = std::max(brightest_, weighted[channel] / weight[channel]);
     }
 
-    /// What gets through of light along `shadow`.
-    double transmittance(Ray shadow, uint32_t leaving, uint32_t arriving) const {
-        if (!world_.anyPass) return world_.tree.blocked(shadow, world_.seeThrough, leaving, arriving) ? 0.0 : 1.0;
-        double left = 1.0;
-        for (uint32_t passes = 0; passes <= mostPasses; ++passes) {
-            const Hit hit = world_.tree.closest(shadow, leaving);
-            if (hit.primitive == noTriangle || hit.primitive == arriving) return left;
-            if (world_.seeThrough[world_.geometry.materials[hit.primitive]] == 0) left *= 1.0 - coverageAt(world_, hit);
-            if (left <= 0.0) return 0.0;
-            shadow.tMin = std::nextafter(hit.t, INFINITY);
-            leaving = hit.primitive;
-        }
-        return 0.0;
-    }
-
     /// The light of lights and from everywhere that goes back along the ray, to `eye`.
     dvec3 directLight(const SurfacePoint& p, const Scattering& scattering, const dvec3& eye, uint32_t leaving,
                       uint32_t key) {
@@ -277,10 +255,8 @@ private:
         }
         // Light from below the face's plane may be in the face's own shadow, as the ray starts above it.
         const uint32_t passedOver = fromAbove ? leaving : noTriangle;
-        return transmittance(shadow, passedOver, light.triangle) * light.irradiance;
+        return transmittance(world_, shadow, /* throughGlass= */ true, passedOver, light.triangle) * light.irradiance;
     }
-
-    static constexpr uint32_t mostPasses = 64;
 
     const World& world_;
     const Bounds& bounds_;
@@ -291,6 +267,12 @@ private:
 };
 
 }  // namespace
+
+dvec3 leave(const SurfacePoint& p, const dvec3& from, const dvec3& side, const SampleId& id, uint32_t key) {
+    const dvec3 rounded = id.rounding.position(from, p.magnitude, key) - from;
+    const double height = glm::dot(rounded, side);
+    return from + (height < 0.0 ? rounded - 2.0 * height * side : rounded) + 1e-12 * p.magnitude * side;
+}
 
 Radiance traceRay(const World& world, const Ray& ray, const Bounds& bounds, const SampleId& id) {
     Recursion recursion(world, bounds, id);

@@ -23,6 +23,11 @@ struct SampleId {
     double pixelSpread = 0.0;  ///< ... how much wider it gets over a unit of length; mirrors and lenses count as flat
 };
 
+/// Where a ray that starts at `from` leaves the surface, on the side that `side` points to. Double precision needs hardly
+/// any offset, as the triangle that is left is known; a rounded origin stays on its side, as float renderers see to that.
+/// `key` is the rounding's.
+dvec3 leave(const SurfacePoint& p, const dvec3& from, const dvec3& side, const SampleId& id, uint32_t key);
+
 struct Radiance {
     dvec3 value{0.0};
     double discarded = 0.0;  ///< the weight of the rays not followed, summed: times the brightest radiance, bounds the error

@@ -49,8 +49,8 @@ struct FrameParams {
     uint eyeMedia;           // those that the eye is in: see shaders/media.glsl
     uint environmentAt;      // if there is one
     uint environmentSide;    // texels
-    uint unused0;
-    uint unused1;
+    float reach;             // how far ambient occlusion looks
+    uint unused;
 };
 
 // One dispatch over a list of slots.
@@ -163,6 +163,9 @@ CONSTANT uint FEATURE_TANGENTS = 1u << 23u;
 CONSTANT uint FEATURE_LOBES = 1u << 24u;               // surfaces that mirror what no reflected ray brings
 CONSTANT uint FEATURE_COVERAGE = 1u << 25u;            // surfaces that let rays pass by their alpha ...
 CONSTANT uint FEATURE_BLENDS = 1u << 26u;              // ... and some of them in part
+
+// What the picture asks for besides: an integrator that is not Whitted's.
+CONSTANT uint FEATURE_AO = 1u << 30u;
 
 // The scene's data is an array of uvec4. A triangle is one element: its vertices and its material; and so is a sphere in its
 // place: where it is among the spheres, NO_VERTEX, NO_VERTEX, material. A sphere is one element: centre, radius. A vertex is

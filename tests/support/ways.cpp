@@ -48,6 +48,8 @@ std::vector<dvec3> WayOfScene::render(const FrameOptions& options) {
         same.samples = options.samples;
         same.camera = options.camera;
         same.bounds = {options.maxDepth, options.minContribution, options.seed};
+        same.integrator = options.integrator;
+        same.reach = options.reach;
         same.roundings = 0;
         return reference::render(*s.world, same).radiance;
     }

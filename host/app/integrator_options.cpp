@@ -1,0 +1,65 @@
+#include "app/integrator_options.hpp"
+
+#include "base/error.hpp"
+
+#include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace raig {
+
+const char* const integratorHelp =
+    "--integrator: whitted follows mirrored and transmitted rays, with direct and ambient light. ao shows ambient\n"
+    "occlusion: white where nothing is near above a surface, whatever its material; of more samples it is smoother. Near is\n"
+    "what is within --ao-distance, in the scene's units, or inf (default: a quarter of the diagonal of the scene's box).\n";
+
+void addIntegratorOptions(CLI::App& command, Options& options) {
+    const auto parse = [&options](const std::string& text) {
+        const auto named = std::ranges::find(integratorNames, text);
+        if (named == integratorNames.end())
+            throw usageError("--integrator {}: one of {} is wanted", text, fmt::join(integratorNames, ", "));
+        options.integrator = static_cast<Integrator>(named - integratorNames.begin());
+    };
+    command
+        .add_option_function<std::string>(
+            "--integrator", parse,
+            fmt::format("how light is followed: {} (default: whitted)", fmt::join(integratorNames, ", ")))
+        ->type_name("NAME");
+    const auto parseDistance = [&options](const std::string& text) {
+        double distance = 0.0;
+        const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), distance);
+        const bool isNumber = fault == std::errc{} && end == text.data() + text.size();
+        const auto rounded = static_cast<float>(distance);
+        if (!isNumber || !(rounded > 0.0f))
+            throw usageError("--ao-distance {}: a distance above 0 is wanted, in the scene's units, or inf", text);
+        options.aoDistance = rounded;
+    };
+    command
+        .add_option_function<std::string>("--ao-distance", parseDistance,
+                                          "how far ambient occlusion looks (default: as suits the scene)")
+        ->type_name("DISTANCE");
+}
+
+void checkIntegratorOptions(const Options& options) {
+    if (options.aoDistance && options.integrator != Integrator::ao)
+        throw usageError("--ao-distance {}: is for --integrator ao", *options.aoDistance);
+}
+
+void setIntegrator(const Options& options, const Geometry& geometry, FrameOptions& frame) {
+    frame.integrator = options.integrator;
+    if (options.integrator != Integrator::ao) return;
+    const double diagonal =
+        geometry.bounds.empty() ? 0.0 : glm::length(dvec3(geometry.bounds.hi) - dvec3(geometry.bounds.lo));
+    const auto quarter = static_cast<float>(0.25 * diagonal);
+    frame.reach = options.aoDistance.value_or(quarter > 0.0f ? quarter : INFINITY);
+}
+
+std::string integratorText(const FrameOptions& frame) {
+    if (frame.integrator == Integrator::ao) return fmt::format("ambient occlusion up to {}", frame.reach);
+    return std::string(integratorNames[static_cast<size_t>(frame.integrator)]);
+}
+
+}  // namespace raig

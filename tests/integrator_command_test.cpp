@@ -1,0 +1,68 @@
+// Integrators, as the command line asks for them: what is told of them, and what is refused in one line.
+#include "image/image.hpp"
+#include "support/mesh_files.hpp"
+#include "support/program.hpp"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace raig {
+namespace {
+
+const std::string box = RAIG_SOURCE_DIR "/assets/cornell_box.gltf";
+
+class IntegratorCommand : public testing::Test {
+protected:
+    ProgramResult run(const std::string& command, std::vector<std::string> arguments) const {
+        const std::vector<std::string> all{command, box, "--size", "24x24", "--device", "cpu"};
+        arguments.insert(arguments.begin(), all.begin(), all.end());
+        return runProgram(RAIG_PROGRAM, arguments);
+    }
+    /// The document of a run that went well.
+    nlohmann::json document(const std::string& command, std::vector<std::string> arguments) const {
+        arguments.push_back("--json");
+        const ProgramResult result = run(command, arguments);
+        EXPECT_EQ(result.exitCode, 0) << result.errors;
+        return nlohmann::json::parse(result.output);
+    }
+    std::string picture(const std::string& name) const { return folder.write(name, "").string(); }
+
+    const Folder folder;
+};
+
+TEST_F(IntegratorCommand, OfAmbientOcclusionTellsHowFarItLooks) {
+    const std::string out = picture("out.pfm"), whitted = picture("whitted.pfm");
+    const auto told = document("render", {"-o", out, "--integrator", "ao", "--spp", "4"});
+    EXPECT_EQ(told["integrator"], "ao");
+    EXPECT_NEAR(told["ao_distance"].get<double>(), 0.25 * std::sqrt(3.0) * 555.0, 10.0) << "a quarter of the box's diagonal";
+    const auto far = document("render", {"-o", out, "--integrator", "ao", "--ao-distance", "inf"});
+    EXPECT_TRUE(far["ao_distance"].is_null());
+    const auto usual = document("render", {"-o", whitted});
+    EXPECT_EQ(usual["integrator"], "whitted");
+    EXPECT_FALSE(usual.contains("ao_distance"));
+    EXPECT_NE(readPicture(out).pixels, readPicture(whitted).pixels);
+}
+
+TEST_F(IntegratorCommand, IsTheReferencesToo) {
+    const auto told = document("compare", {"--integrator", "ao", "--spp", "2"});
+    EXPECT_EQ(told["integrator"], "ao");
+    EXPECT_EQ(told["pixels"]["max"], 0.0);
+}
+
+TEST_F(IntegratorCommand, WhatCannotBeIsRefusedInOneLine) {
+    const auto expectRefused = [&](const std::vector<std::string>& arguments, const std::string& mentions) {
+        std::vector<std::string> all{"-o", picture("refused.png")};
+        all.insert(all.end(), arguments.begin(), arguments.end());
+        const ProgramResult result = run("render", all);
+        EXPECT_EQ(result.exitCode, 2) << mentions;
+        EXPECT_NE(result.errors.find(mentions), std::string::npos) << result.errors << " does not mention " << mentions;
+        EXPECT_EQ(result.errors.find('\n'), result.errors.size() - 1) << "one line: " << result.errors;
+    };
+    expectRefused({"--integrator", "bidirectional"}, "one of whitted, ");
+    for (const char* value : {"0", "-1", "nan", "near", "1e-60", "2m"})
+        expectRefused({"--integrator", "ao", std::string("--ao-distance=") + value}, "a distance above 0");
+    expectRefused({"--ao-distance", "3"}, "is for --integrator ao");
+}
+
+}  // namespace
+}  // namespace raig
