@@ -65,6 +65,25 @@ uint pickColumn(uint row, uint x) {
     return low;
 }
 
+// The chance with which texel `texel` is picked.
+float texelChance(uint texel) {
+    uint row = texel / frame.environmentSide;
+    uint ofRow = rowShares(row);
+    if (row > 0u) ofRow -= rowShares(row - 1u);
+    uint ofColumn = columnShares(texel);
+    if (texel > row * frame.environmentSide) ofColumn -= columnShares(texel - 1u);
+    precise float chance = float(ofRow) * (1.0f / 16777216.0f) * (float(ofColumn) * (1.0f / 16777216.0f));
+    return chance;
+}
+
+// The density, by solid angle, with which environmentRay() draws unit direction d.
+float environmentDensity(vec3 d) {
+    float side = float(frame.environmentSide);
+    precise float sum = abs(d.x) + abs(d.y) + abs(d.z);
+    precise float density = texelChance(environmentTexel(d)) * (0.25f * side * side) / (sum * sum * sum);
+    return density;
+}
+
 // One direction as seen from p: a texel by its share, in it a point of the unfolded square. `key` is that of the ray which
 // found p; dimensions 2^31 + 2 key and the next are the environment's.
 ShadowRay environmentRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key) {
@@ -74,10 +93,6 @@ ShadowRay environmentRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key)
     uint row = pickRow(choice.x >> 8u);
     uint column = pickColumn(row, choice.y >> 8u);
     uint texel = row * frame.environmentSide + column;
-    uint ofRow = rowShares(row);
-    if (row > 0u) ofRow -= rowShares(row - 1u);
-    uint ofColumn = columnShares(texel);
-    if (column > 0u) ofColumn -= columnShares(texel - 1u);
 
     float side = float(frame.environmentSide);
     precise float u = 2.0f * (float(column) + place.x) / side - 1.0f;
@@ -93,8 +108,7 @@ ShadowRay environmentRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key)
     precise float cosine = dot(p.shading, l);
     if (!(canReach(p, l) && cosine > 0.0f)) return noShadowRay();
 
-    precise float probability = float(ofRow) * (1.0f / 16777216.0f) * (float(ofColumn) * (1.0f / 16777216.0f));
-    precise float density = probability * (0.25f * side * side) * (squared * distance_);
+    precise float density = texelChance(texel) * (0.25f * side * side) * (squared * distance_);
     precise vec3 light = cosine / density * xyzOf(scene_at(frame.environmentAt + texel));
-    return ShadowRay(Ray(shadowOrigin(p), 0.0f, l, FAR_AWAY), light, l);
+    return ShadowRay(Ray(shadowOrigin(p), 0.0f, l, FAR_AWAY), light, l, density);
 }

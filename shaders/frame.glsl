@@ -11,6 +11,7 @@
 #include "lights.glsl"
 #include "environment.glsl"
 #include "path.glsl"
+#include "bounce.glsl"
 #include "occlusion.glsl"
 #include "shade.glsl"
 #include "gather.glsl"

@@ -23,7 +23,7 @@ layout(set = 0, binding = 9, std430) buffer ContributionBlock { vec4 contributio
 layout(set = 0, binding = 10, std430) writeonly buffer ResultBlock { PixelResult results[]; };
 RAIG_ARRAY(scene, 11)
 
-const bool BRANCHES = (FEATURES & (FEATURE_MIRRORS | FEATURE_TRANSMISSION | FEATURE_COVERAGE)) != 0u;
+const bool BRANCHES = (FEATURES & (FEATURE_MIRRORS | FEATURE_TRANSMISSION | FEATURE_COVERAGE | FEATURE_PATH)) != 0u;
 
 layout(push_constant) uniform Push { TileStep now; };
 

@@ -65,6 +65,7 @@ bool moveOn(uint i, uint slot, INOUT(Ray) next) {
             states[slot].key = state.key;
             states[slot].pendingCount = state.pendingCount;
             states[slot].deepest = state.deepest;
+            if ((FEATURES & FEATURE_PATH) != 0u) states[slot].density = state.density;
         }
         if ((FEATURES & FEATURE_NESTED) != 0u) states[slot].media = state.media;
     }

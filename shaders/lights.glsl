@@ -7,10 +7,11 @@
 struct ShadowRay {
     Ray ray;
     vec3 light;
-    vec3 towards;  // unit, to where it comes from
+    vec3 towards;   // unit, to where it comes from
+    float density;  // by solid angle, of drawing that; 0 of lights without size
 };
 
-ShadowRay noShadowRay() { return ShadowRay(noRay(), vec3(0.0f), vec3(0.0f)); }
+ShadowRay noShadowRay() { return ShadowRay(noRay(), vec3(0.0f), vec3(0.0f), 0.0f); }
 
 bool isLifted(SurfacePoint p) {
     return p.lift.x != 0.0f || p.lift.y != 0.0f || p.lift.z != 0.0f;
@@ -74,8 +75,8 @@ ShadowRay lightRay(SurfacePoint p, uint j) {
     precise vec3 all = xyzOf(position) - origin;
     // A ray of no length meets nothing: so asks for a light that casts no shadows.
     float reach = scene_at(at + 3u).y != 0u ? 1.0f : 0.0f;
-    if (type == LIGHT_DIRECTIONAL) return ShadowRay(Ray(origin, 0.0f, l, FAR_AWAY * reach), light, l);
-    return ShadowRay(Ray(origin, 0.0f, all, reach), light, l);
+    if (type == LIGHT_DIRECTIONAL) return ShadowRay(Ray(origin, 0.0f, l, FAR_AWAY * reach), light, l, 0.0f);
+    return ShadowRay(Ray(origin, 0.0f, all, reach), light, l, 0.0f);
 }
 
 // The emitter that number x in [0, 1) picks: the first whose cumulated probability exceeds it.
@@ -126,5 +127,7 @@ ShadowRay emitterRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key) {
     precise vec3 light = geometry * emission;
     vec3 origin = shadowOrigin(p);
     precise vec3 all = spawnOrigin(seenFrom(q, v), facing) - origin;
-    return ShadowRay(Ray(origin, 0.0f, all, 1.0f), light, l);
+    if ((FEATURES & FEATURE_PATH) == 0u) return ShadowRay(Ray(origin, 0.0f, all, 1.0f), light, l, 0.0f);
+    precise float towards = glowOf(facet.triangle) * squaredDistance / abs(cosineThere);
+    return ShadowRay(Ray(origin, 0.0f, all, 1.0f), light, l, towards);
 }

@@ -21,7 +21,8 @@ void putAll(FrameParams s) {
     put(s.spheresAt); put(s.instancesAt); put(s.instanceCount);
     put(s.left); put(s.top); put(s.partWidth); put(s.partHeight);
     put(s.lensRadius); put(s.lensSlope); put(s.mediaAt); put(s.eyeMedia);
-    put(s.environmentAt); put(s.environmentSide); put(s.reach); put(s.unused);
+    put(s.environmentAt); put(s.environmentSide); put(s.reach); put(s.roulette);
+    put(s.emitterScale); put(s.unused0); put(s.unused1); put(s.unused2);
 }
 
 void putAll(ItemView s) { put(s.x); put(s.y); put(s.z); put(s.w); put(s.eye); put(s.instancesAt); }
@@ -35,12 +36,12 @@ void putAll(TileStep s) { put(s.count); put(s.listAt); put(s.nextAt); put(s.comp
 void putAll(PathState s) {
     put(s.weight); put(s.depth); put(s.sum); put(s.discarded); put(s.pixel); put(s.sampleIndex); put(s.key);
     put(s.pendingCount); put(s.shadowRays); put(s.deepest); put(s.media); put(s.forgotten); put(s.travelled);
-    put(s.passes); put(s.unused0); put(s.unused1);
+    put(s.passes); put(s.density); put(s.unused);
 }
 
 void putAll(PendingRay s) {
     put(s.origin); put(s.depth); put(s.direction); put(s.key); put(s.weight); put(s.media);
-    put(s.travelled); put(s.passes); put(s.begin); put(s.unused);
+    put(s.travelled); put(s.passes); put(s.begin); put(s.density);
 }
 
 void putAll(PixelResult s) {

@@ -15,8 +15,8 @@ Ray probeOf(SurfacePoint p, PathState state) {
     return Ray(spawnOrigin(p.at, p.normal), 0.0f, height < 0.0f ? unit(mirrored) : way, frame.reach);
 }
 
-// Entry i of the list: its slot's camera ray rays[i] has met hits[i]. It is white, if the ray that it asks for meets nothing,
-// or if it has met nothing itself. Requires frame.shadowRays == 1.
+// Entry i of the list: its slot's camera ray rays[i] has met hits[i]. It is white, if the ray that it asks for meets
+// nothing, or if it has met nothing itself. Requires frame.shadowRays == 1.
 void shadeOcclusion(uint i) {
     uint slot = slotList[now.listAt + i];
     bool working = slot != NO_SLOT;

@@ -10,13 +10,23 @@ void pass(uint i) {
     uint index = now.listAt + i;
     Hit hit = shadowHits[index];
     Ray ray = shadowRays[index];
+    bool throughGlass = (FEATURES & FEATURE_AO) == 0u;
+    if ((FEATURES & FEATURE_PATH) != 0u) throughGlass = now.listAt < frame.lightCount * now.count;
     bool goesOn = false;
     if (hit.primitive != NO_HIT) {
-        precise float rest = 1.0f - shadeOf(hit, (FEATURES & FEATURE_AO) == 0u);
+        precise float rest = 1.0f - shadeOf(hit, throughGlass);
         goesOn = rest > 0.0f && now.compacts == 0u;
         vec4 contribution = contributions[index];
         float left = goesOn ? rest : 0.0f;
-        contributions[index] = vec4(left * contribution.x, left * contribution.y, left * contribution.z, 0.0f);
+        float other = 0.0f;
+        if ((FEATURES & FEATURE_PATH) != 0u) {
+            // A drawn ray would pass by the chance `rest`: so much less of the light is its.
+            precise float ratio = rest * contribution.w;
+            precise float more = left * ((1.0f + contribution.w) / (1.0f + ratio));
+            left = more;
+            other = ratio;
+        }
+        contributions[index] = vec4(left * contribution.x, left * contribution.y, left * contribution.z, other);
     }
     Ray next = noRay();
     if (goesOn) next = Ray(ray.origin, nextFloat(hit.t, 1.0f), ray.direction, ray.tMax);

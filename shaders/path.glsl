@@ -11,11 +11,12 @@ Ray beginSample(INOUT(PathState) state) {
     state.media = frame.eyeMedia;
     state.travelled = 0.0f;
     state.passes = 0u;
+    state.density = 0.0f;
     return cameraRay(state.pixel, state.sampleIndex);
 }
 
 PathState beginPixel(uint pixel) {
-    return PathState(vec3(1.0f), 0u, vec3(0.0f), 0.0f, pixel, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0.0f, 0u, 0u, 0u);
+    return PathState(vec3(1.0f), 0u, vec3(0.0f), 0.0f, pixel, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0.0f, 0u, 0.0f, 0u);
 }
 
 // Puts off a ray below `state`'s present one until all that was put off after it is done; or discards it, if it goes deeper
@@ -29,7 +30,7 @@ void follow(uint slot, INOUT(PathState) state, vec3 origin, vec3 direction, vec3
         state.discarded += largest;
     } else if (largest > 0.0f) {
         pending[state.pendingCount * frame.slots + slot] =
-            PendingRay(origin, state.depth + 1u, direction, key, weight, media, state.travelled, state.passes, 0.0f, 0u);
+            PendingRay(origin, state.depth + 1u, direction, key, weight, media, state.travelled, state.passes, 0.0f, 0.0f);
         state.pendingCount += 1u;
     }
 }
@@ -45,7 +46,7 @@ void passOn(uint slot, INOUT(PathState) state, Ray ray, float t, vec3 weight, ui
     } else if (largest > 0.0f) {
         pending[state.pendingCount * frame.slots + slot] =
             PendingRay(ray.origin, state.depth, ray.direction, key, weight, media, state.travelled, state.passes + 1u,
-                       nextFloat(t, 1.0f), 0u);
+                       nextFloat(t, 1.0f), 0.0f);
         state.pendingCount += 1u;
     }
 }
@@ -60,6 +61,7 @@ Ray takeUp(uint slot, INOUT(PathState) state) {
     state.media = next.media;
     state.travelled = next.travelled;
     state.passes = next.passes;
+    state.density = next.density;
     state.deepest = max(state.deepest, next.depth);
     return Ray(next.origin, next.begin, next.direction, FAR_AWAY);
 }

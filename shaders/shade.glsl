@@ -3,13 +3,6 @@
 // Whoever includes this declares `frame`, `now`, slotList[], states[], rays[], hits[], pending[], shadowRays[] and
 // contributions[] before it, and includes the rest of the frame's code.
 
-// How irradiance at a point counts in the pixel: by `scattered`, and by what `lobe` sends back times `weight`.
-struct Direct {
-    vec3 scattered;
-    vec3 weight;
-    Lobe lobe;
-};
-
 // Emission, absorption, ambient light; reflected and transmitted rays are put off, the reflected one to be taken up first.
 // Returns how light that arrives directly counts in the pixel.
 Direct shadeSurface(uint slot, Ray ray, Hit hit, SurfacePoint p, INOUT(PathState) state) {
@@ -50,9 +43,10 @@ Direct shadeSurface(uint slot, Ray ray, Hit hit, SurfacePoint p, INOUT(PathState
     return Direct(direct, state.weight, split.lobe);
 }
 
-// `share` of what the lobe sends towards the eye is asked for, with an a of at least `least`: see lobe.glsl.
-void storeShadowRay(uint index, ShadowRay shadow, SurfacePoint p, vec3 towardsEye, Direct direct, float share, float least,
-                    INOUT(PathState) state) {
+// `share` of what the lobe sends towards the eye is asked for, with an a of at least `least`: see lobe.glsl. `chances`: of
+// the other way in which a path may find the same light.
+void storeShadowRay(uint index, ShadowRay shadow, SurfacePoint p, vec3 towardsEye, Direct direct, Chances chances,
+                    float share, float least, INOUT(PathState) state) {
     vec3 value = direct.scattered;
     if ((FEATURES & FEATURE_LOBES) != 0u && largestOf(shadow.light) > 0.0f) {
         vec3 mirrored = lobeTowards(direct.lobe, p.shading, p.roughness, towardsEye, shadow.towards, least);
@@ -60,17 +54,24 @@ void storeShadowRay(uint index, ShadowRay shadow, SurfacePoint p, vec3 towardsEy
         value = both;
     }
     precise vec3 contribution = value * shadow.light;
+    float other = 0.0f;
+    if ((FEATURES & FEATURE_PATH) != 0u && shadow.density > 0.0f) {
+        precise float ratio = bounceDensity(p, towardsEye, shadow.towards, chances) / shadow.density;
+        precise vec3 balanced_ = contribution / (1.0f + ratio);
+        contribution = balanced_;
+        other = ratio;
+    }
     bool asked = largestOf(contribution) > 0.0f;
     if (!asked) shadow = noShadowRay();
     state.shadowRays += asked ? 1u : 0u;
     shadowRays[index] = shadow.ray;
-    contributions[index] = vec4(asked ? contribution : vec3(0.0f), 0.0f);
+    contributions[index] = asked ? vec4(contribution.x, contribution.y, contribution.z, other) : vec4(0.0f);
 }
 
-// Entry i of the list: its slot's ray rays[i] has met hits[i]. Whitted's integrator.
+// Entry i of the list: its slot's ray rays[i] has met hits[i]. By Whitted's integrator, or one ray of a path.
 // Ensures  shadowRays[j * count + i] and contributions[...], for each j < frame.shadowRays, hold the j-th light's.
 // Cost     O(lights + log emitters). Only what has changed is stored, as storing costs as much as shading on some devices.
-void shadeWhitted(uint i) {
+void shadeLight(uint i) {
     uint slot = slotList[now.listAt + i];
     bool working = slot != NO_SLOT;
     PathState state = beginPixel(0u);  // where there is no slot: any slot's is being written by its own entry
@@ -78,13 +79,20 @@ void shadeWhitted(uint i) {
     Ray ray = rays[i];
     Hit hit = hits[i];
     Direct direct = Direct(vec3(0.0f), vec3(0.0f), noLobe());
+    Chances chances = noChances();
     SurfacePoint p;
     if (working && hit.primitive == NO_HIT) {
-        precise vec3 sum = state.sum + state.weight * distantRadiance(ray.direction);
+        vec3 weight = state.weight;
+        if ((FEATURES & FEATURE_PATH) != 0u) weight = distantShare(ray.direction, state.density) * weight;
+        precise vec3 sum = state.sum + weight * distantRadiance(ray.direction);
         state.sum = sum;
     } else if (working) {
         p = surfaceAt(ray, hit, state.travelled);
-        direct = shadeSurface(slot, ray, hit, p, state);
+        if ((FEATURES & FEATURE_PATH) != 0u) {
+            direct = bounce(slot, ray, hit, p, state, chances);
+        } else {
+            direct = shadeSurface(slot, ray, hit, p, state);
+        }
     }
     bool lit = largestOf(direct.scattered) > 0.0f;
     float share = 0.0f;  // of the light of what reflected rays find, too
@@ -92,22 +100,23 @@ void shadeWhitted(uint i) {
         lit = lit || largestOf(direct.weight * direct.lobe.grazing) > 0.0f;
         if (lit && !p.transmissive) share = 1.0f - p.gloss;
     }
+    const float least = (FEATURES & FEATURE_PATH) != 0u ? LEAST_DRAWN_SPREAD : LEAST_SAMPLED_SPREAD;
     if ((FEATURES & FEATURE_LIGHTS) != 0u) {
         for (uint j = 0u; j < frame.lightCount; ++j) {
             ShadowRay shadow = noShadowRay();
             if (lit) shadow = lightRay(p, j);
-            storeShadowRay(j * now.count + i, shadow, p, -ray.direction, direct, 1.0f, LEAST_SPREAD, state);
+            storeShadowRay(j * now.count + i, shadow, p, -ray.direction, direct, chances, 1.0f, LEAST_SPREAD, state);
         }
     }
     if ((FEATURES & FEATURE_EMITTERS) != 0u) {
         ShadowRay shadow = noShadowRay();
         if (lit) shadow = emitterRay(p, state.pixel, state.sampleIndex, state.key);
-        storeShadowRay(frame.lightCount * now.count + i, shadow, p, -ray.direction, direct, share, LEAST_SAMPLED_SPREAD, state);
+        storeShadowRay(frame.lightCount * now.count + i, shadow, p, -ray.direction, direct, chances, share, least, state);
     }
     if ((FEATURES & FEATURE_SHINING) != 0u) {
         ShadowRay shadow = noShadowRay();
         if (lit) shadow = environmentRay(p, state.pixel, state.sampleIndex, state.key);
-        storeShadowRay((frame.shadowRays - 1u) * now.count + i, shadow, p, -ray.direction, direct, share, LEAST_SAMPLED_SPREAD,
+        storeShadowRay((frame.shadowRays - 1u) * now.count + i, shadow, p, -ray.direction, direct, chances, share, least,
                        state);
     }
     if (working) {
@@ -127,6 +136,6 @@ void shade(uint i) {
     if ((FEATURES & FEATURE_AO) != 0u) {
         shadeOcclusion(i);
     } else {
-        shadeWhitted(i);
+        shadeLight(i);
     }
 }

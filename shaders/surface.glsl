@@ -25,6 +25,7 @@ struct SurfacePoint {
     uint medium;         // what is within, if it is known to be closed: see media.glsl
     vec3 emission;
     float coverage;      // how much of the surface is there: the rest of the light passes straight on
+    float glow;          // by area, the density with which a path's light is drawn here; 0: it is not
     float openness;      // the share of ambient light that the occlusion texture lets in
 };
 
@@ -251,6 +252,15 @@ float coverageOf(uint material, float alpha) {
     return cutoff > 0.0f ? cut : all;
 }
 
+// The density, by area, with which a path takes points of an emitting triangle to be drawn. They are drawn by the mean of
+// the emission's texture; that this leaves out what textures do makes light that two kinds of rays find no brighter, as both
+// go by it.
+float glowOf(uvec4 triangle) {
+    vec3 emission = xyzOf(scene_at(frame.materialsAt + triangle.w * MATERIAL_STRIDE + 1u));
+    precise float glow = (0.2126f * emission.x + 0.7152f * emission.y + 0.0722f * emission.z) * frame.emitterScale;
+    return glow;
+}
+
 // A material in the terms of host/scene/surface.hpp, its factors as they are at a point.
 void reduceMaterial(uint material, vec3 base, float metallic, float roughness, INOUT(SurfacePoint) p) {
     uvec4 absorption = scene_at(material + 2u);
@@ -265,6 +275,7 @@ void reduceMaterial(uint material, vec3 base, float metallic, float roughness, I
     precise float shine = 1.0f - blur * blur;
     float normalReflectance = uintBitsToFloat(more.z);
     precise float gloss = polish * polish;
+    if ((FEATURES & FEATURE_PATH) != 0u) gloss = roughness * roughness < LEAST_DRAWN_SPREAD ? 1.0f : 0.0f;
     precise vec3 diffuse = ((1.0f - metallic) * (1.0f - transmission)) * base;
     precise float dielectric = shine * normalReflectance;
     precise float grazing = shine * min(1.0f, 50.0f * normalReflectance);
@@ -306,8 +317,8 @@ float coverageAt(uvec4 triangle, vec3 b) {
     return coverageOf(material, alpha);
 }
 
-// What is in the way of a shadow ray at `hit`: the coverage there; with `throughGlass` 0 if the surface lets light through by
-// its material.
+// What is in the way of a shadow ray at `hit`: the coverage there; with `throughGlass` 0 if the surface lets light through
+// by its material.
 float shadeOf(Hit hit, bool throughGlass) {
     uvec4 triangle = facetOf(hit.primitive).triangle;
     precise float b0 = 1.0f - hit.u - hit.v;
@@ -330,7 +341,7 @@ void meetTriangle(Facet facet, Ray ray, Hit hit, float width, INOUT(SurfacePoint
     if ((FEATURES & FEATURE_NORMALS) != 0u) {
         Corners normals = vertexNormals(facet);
         p.smooth_ = interpolatedNormal(normals, b, p.normal);
-        if ((FEATURES & (FEATURE_LIGHTS | FEATURE_EMITTERS | FEATURE_SHINING)) != 0u)
+        if ((FEATURES & (FEATURE_LIGHTS | FEATURE_EMITTERS | FEATURE_SHINING | FEATURE_PATH)) != 0u)
             p.lift = liftOf(corners, normals, b, p.at.position, p.normal);
     }
     p.shading = p.smooth_;
@@ -378,6 +389,7 @@ void meetTriangle(Facet facet, Ray ray, Hit hit, float width, INOUT(SurfacePoint
         p.shading = facingNormal(p.shading, ray.direction);
     if ((FEATURES & FEATURE_COVERAGE) != 0u) p.coverage = coverageOf(material, alpha);
     p.emission = emissionAt(triangle, b, look.covered, look.coveredMore);
+    if ((FEATURES & FEATURE_PATH) != 0u && (FEATURES & FEATURE_EMITTERS) != 0u) p.glow = glowOf(triangle);
     reduceMaterial(material, base, metallic, roughness, p);
 }
 
@@ -412,6 +424,7 @@ SurfacePoint surfaceAt(Ray ray, Hit hit, float travelled) {
     p.openness = 1.0f;
     p.coverage = 1.0f;
     p.lift = vec3(0.0f);
+    if ((FEATURES & FEATURE_PATH) != 0u) p.glow = 0.0f;
     if ((FEATURES & FEATURE_SPHERES) != 0u && facet.triangle.y == NO_VERTEX) {
         meetSphere(facet.triangle, ray, hit, p);
     } else {

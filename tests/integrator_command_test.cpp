@@ -44,9 +44,23 @@ TEST_F(IntegratorCommand, OfAmbientOcclusionTellsHowFarItLooks) {
 }
 
 TEST_F(IntegratorCommand, IsTheReferencesToo) {
-    const auto told = document("compare", {"--integrator", "ao", "--spp", "2"});
-    EXPECT_EQ(told["integrator"], "ao");
-    EXPECT_EQ(told["pixels"]["max"], 0.0);
+    for (const char* integrator : {"path", "ao"}) {
+        const auto told = document("compare", {"--integrator", integrator, "--spp", "2"});
+        EXPECT_EQ(told["integrator"], integrator);
+        EXPECT_LT(told["pixels"]["max"], 1e-3);
+    }
+}
+
+TEST_F(IntegratorCommand, OfPathsBringsLightThatIsReflected) {
+    const std::string out = picture("out.pfm"), direct = picture("direct.pfm");
+    const auto told = document("render", {"-o", out, "--integrator", "path", "--spp", "8"});
+    EXPECT_EQ(told["integrator"], "path");
+    EXPECT_GT(told["deepest"], 3);
+    document("render", {"-o", direct, "--integrator", "path", "--spp", "8", "--max-depth", "0"});
+    double all = 0.0, some = 0.0;
+    for (const vec3& c : readPicture(out).pixels) all += c.y;
+    for (const vec3& c : readPicture(direct).pixels) some += c.y;
+    EXPECT_GT(all, 1.2 * some);
 }
 
 TEST_F(IntegratorCommand, WhatCannotBeIsRefusedInOneLine) {
@@ -58,7 +72,7 @@ TEST_F(IntegratorCommand, WhatCannotBeIsRefusedInOneLine) {
         EXPECT_NE(result.errors.find(mentions), std::string::npos) << result.errors << " does not mention " << mentions;
         EXPECT_EQ(result.errors.find('\n'), result.errors.size() - 1) << "one line: " << result.errors;
     };
-    expectRefused({"--integrator", "bidirectional"}, "one of whitted, ");
+    expectRefused({"--integrator", "bidirectional"}, "one of whitted, path, ao is wanted");
     for (const char* value : {"0", "-1", "nan", "near", "1e-60", "2m"})
         expectRefused({"--integrator", "ao", std::string("--ao-distance=") + value}, "a distance above 0");
     expectRefused({"--ao-distance", "3"}, "is for --integrator ao");

@@ -12,9 +12,11 @@
 namespace raig {
 
 const char* const integratorHelp =
-    "--integrator: whitted follows mirrored and transmitted rays, with direct and ambient light. ao shows ambient\n"
-    "occlusion: white where nothing is near above a surface, whatever its material; of more samples it is smoother. Near is\n"
-    "what is within --ao-distance, in the scene's units, or inf (default: a quarter of the diagonal of the scene's box).\n";
+    "--integrator: whitted follows mirrored and transmitted rays, with direct and ambient light. path follows light all\n"
+    "its ways, from each point one, by chance: indirect light, rough reflections and what glass focuses, in the place of\n"
+    "ambient light. Rays that weigh less than 256 times --min-contribution end by chance, without a bias. ao shows ambient\n"
+    "occlusion: white where nothing is near above a surface, whatever its material. Near is what is within --ao-distance,\n"
+    "in the scene's units, or inf (default: a quarter of the diagonal of the scene's box). More samples make all smoother.\n";
 
 void addIntegratorOptions(CLI::App& command, Options& options) {
     const auto parse = [&options](const std::string& text) {

@@ -226,6 +226,7 @@ void addRender(CLI::App& app, Options& options) {
                    "  raig render room.glb -o out.png --primary raster\n"
                    "  raig render bunny.ply -o out.png --environment field.hdr --environment-rotate 90\n"
                    "  raig render walk.glb -o walk.png --frames 0:47 --fps 24\n"
+                   "  raig render room.glb -o lit.png --integrator path --spp 256\n"
                    "  raig render bunny.ply -o clay.png --integrator ao --spp 64\n" +
                    aovExamples() + viewHelp + integratorHelp + samplingHelp + animationHelp + environmentHelp +
                    toneHelp + aovHelp());

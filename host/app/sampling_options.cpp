@@ -32,8 +32,8 @@ const char* const samplingHelp =
     "--adaptive: each pixel gets 8 samples, and twice as many again and again while its error is estimated to be above\n"
     "the tolerance, up to --spp (default: 1024). Errors are root mean squares in linear light, whatever the exposure; the\n"
     "picture's is about the tolerance. --view samples shows where samples went.\n"
-    "Without --spp, --adaptive and --time: 4 samples a pixel; where light is soft (lamps with a size, an environment, other\n"
-    "integrators than whitted) or a lens blurs, as by --adaptive 0.03 --spp 64.\n"
+    "Without --spp, --adaptive and --time: 4 samples a pixel; where light is soft (lamps with a size, an environment,\n"
+    "other integrators than whitted) or a lens blurs, as by --adaptive 0.03 --spp 64.\n"
     "--time: the best picture within so many seconds, from the start on: with as many samples as go into it, up to\n"
     "--spp (default: 65536), and those where they are needed if --adaptive is given. How many depends on the machine; the\n"
     "file and --json say it, and --spp with that number gives the same picture, to the last bit.\n";

@@ -138,6 +138,7 @@ SlotBytes slotBytes(const FrameData& data) {
     const bool branches = (data.features & (FEATURE_MIRRORS | FEATURE_TRANSMISSION | FEATURE_COVERAGE)) != 0;
     SlotBytes bytes;
     bytes.pendingRays = branches ? data.params.maxDepth + 1 : 0;
+    if ((data.features & FEATURE_PATH) != 0) bytes.pendingRays = 1;
     const uint64_t pending = uint64_t{bytes.pendingRays} * sizeof(PendingRay);
     const uint64_t shadow = data.params.shadowRays * (sizeof(Ray) + sizeof(Hit) + sizeof(vec4));
     bytes.all =
@@ -146,7 +147,12 @@ SlotBytes slotBytes(const FrameData& data) {
     return bytes;
 }
 
-uint32_t raysThroughGlass(const FrameData& data, uint32_t count) { return (data.features & FEATURE_AO) != 0 ? 0 : count; }
+uint32_t raysThroughGlass(const FrameData& data, uint32_t count) {
+    if ((data.features & FEATURE_AO) != 0) return 0;
+    // Those of the lights come first. To emitters and the environment paths find their ways through glass themselves.
+    const uint32_t shadowRays = std::max(data.params.shadowRays, 1u);
+    return (data.features & FEATURE_PATH) != 0 ? count / shadowRays * data.params.lightCount : count;
+}
 
 uint32_t chooseSlots(uint32_t wanted, uint64_t mostSlots, const FrameData& data) {
     if (mostSlots < 1)

@@ -13,6 +13,14 @@
 /// The camera's lens, if it has one, is thin: what is at distance z along the axis is blurred to a disk whose diameter, in
 /// the plane in focus at distance f, is aperture * |z - f| / z. An orthographic camera's blurs to aperture * |z - f| / f.
 ///
+/// With Integrator::path each ray that meets a surface is followed by one more, in a direction drawn from what the surface
+/// does with light: shaders/bounce.glsl. That brings indirect light, in the place of ambient light, which is left out. What
+/// glass focuses is found, too; point, spot and directional lights shine through glass straight on, as a drawn ray cannot
+/// meet them. A ray of little weight is not discarded but ended by chance, without a bias: below rouletteFactor times
+/// MIN_CONTRIB, as often as its weight is short of that. What NIVELL_MAX cuts off is discarded, as ever: that bounds the
+/// error of the mean of many pictures, not that of each. Source: Kajiya 1986, "The Rendering Equation"; Veach and Guibas
+/// 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering".
+///
 /// With Integrator::ao a pixel is the share of directions, by their cosine, in which a surface meets nothing within a
 /// distance; all surfaces count alike, and where there is none it is white. One ray a sample asks. Source: Zhukov, Iones and
 /// Kronin 1998, "An Ambient Light Illumination Model".
@@ -57,8 +65,8 @@ struct FrameOptions {
     float aperture = 0.0f;                    ///< diameter of the lens, in scene units; 0: a pinhole, all is sharp
     float focus = INFINITY;                   ///< distance along the camera's axis at which the picture is sharp; > 0
 
-    /// Devices with DeviceOptions::graphics: an item buffer is drawn of this structure, which is the tracer's, and camera rays
-    /// are told what it shows (rays/item_buffer.hpp). None: they are not. The picture has the same bits.
+    /// Devices with DeviceOptions::graphics: an item buffer is drawn of this structure, which is the tracer's, and camera
+    /// rays are told what it shows (rays/item_buffer.hpp). None: they are not. The picture has the same bits.
     const Structure* itemsOf = nullptr;
 
     /// What is rendered.

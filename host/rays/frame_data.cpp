@@ -75,6 +75,16 @@ void packMedia(Packer& packer, FrameData& data) {
     for (const Medium& medium : data.media.media) packer.append(packed(medium.absorption, medium.ior));
 }
 
+/// One over the sum of the emitters' areas, each times the luminance of its material's emission; 0 if there are none.
+float emitterScale(const Scene& scene, const Geometry& geometry, const std::vector<Emitter>& emitters) {
+    double sum = 0.0;
+    for (const Emitter& emitter : emitters) {
+        const uint32_t material = geometry.materials[geometry.storedTriangle(geometry.place(emitter.triangle))];
+        sum += double{emitter.area} * glm::dot(dvec3(0.2126, 0.7152, 0.0722), dvec3(scene.materials[material].emission));
+    }
+    return emitters.empty() ? 0.0f : static_cast<float>(1.0 / sum);
+}
+
 void packLights(const Scene& scene, const Geometry& geometry, Packer& packer, FrameData& data) {
     data.params.lightsAt = packer.here();
     data.params.lightCount = static_cast<uint32_t>(scene.lights.size());
@@ -90,6 +100,7 @@ void packLights(const Scene& scene, const Geometry& geometry, Packer& packer, Fr
     data.params.emitterCount = static_cast<uint32_t>(emitters.size());
     for (const Emitter& emitter : emitters)
         packer.append({bitsOf(emitter.cumulated), emitter.triangle, bitsOf(emitter.area), 0u});
+    data.params.emitterScale = emitterScale(scene, geometry, emitters);
     const bool shines = scene.environment && scene.environment->shines();
     data.params.shadowRays = data.params.lightCount + (emitters.empty() ? 0 : 1) + (shines ? 1 : 0);
     if (!scene.lights.empty()) data.features |= FEATURE_LIGHTS;
@@ -199,6 +210,7 @@ void setView(const Scene& scene, const FrameOptions& options, FrameParams& param
     params.maxDepth = options.maxDepth;
     params.minContribution = options.minContribution;
     params.reach = std::min(options.reach, FAR_AWAY);
+    params.roulette = std::min(rouletteFactor * options.minContribution, 1.0f);
     params.zenith = scene.sky.zenith;
     params.horizon = scene.sky.horizon;
     params.ground = scene.sky.ground;
@@ -237,6 +249,7 @@ void takeOptions(const FrameOptions& options, FrameData& data) {
         if ((data.features & (FEATURE_NORMAL_TEXTURES | FEATURE_COLOR_TEXTURES)) == 0) data.features &= ~FEATURE_TEXTURES;
         data.params.shadowRays = 1;
     }
+    if (options.integrator == Integrator::path) data.features |= FEATURE_PATH;
     data.features = withOptions(data.features, options);
 }
 

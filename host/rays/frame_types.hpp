@@ -8,7 +8,7 @@ namespace raig::shared {
 
 #include "shared/frame.glsl"
 
-static_assert(sizeof(FrameParams) == 240 && sizeof(TileStep) == 20 && sizeof(PathState) == 80 && sizeof(PendingRay) == 64 &&
+static_assert(sizeof(FrameParams) == 256 && sizeof(TileStep) == 20 && sizeof(PathState) == 80 && sizeof(PendingRay) == 64 &&
                   sizeof(PixelResult) == 32 && sizeof(PrimaryHit) == 64,
               "as in the buffers of the device");
 

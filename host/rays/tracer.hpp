@@ -74,8 +74,8 @@ public:
     /// Records the trace of `count` rays of a device buffer (Ray, tightly packed) into another (Hit), and runs it to the
     /// end: rays whose walk is longer than one dispatch may be are taken up again until all are done.
     /// `shadows`: as traceShadows. The buffers must have storage usage; `count` > 0.
-    /// `hints` (shared/items.glsl, HINTS_A_RAY a ray; none for shadows) tell what each ray may meet: the hits are the same, to
-    /// the bit, but found sooner where a hint is right. `first`: which ray, and hit, of the buffers is the first of them.
+    /// `hints` (shared/items.glsl, HINTS_A_RAY a ray; none for shadows) tell what each ray may meet: the hits are the same,
+    /// to the bit, but found sooner where a hint is right. `first`: which ray, and hit, of the buffers is the first of them.
     virtual TraceReport traceBuffers(Buffer& rays, Buffer& hits, uint32_t count, Query query, bool shadows,
                                      const Buffer* hints = nullptr, uint32_t first = 0) = 0;
 

@@ -15,12 +15,25 @@ dvec2 inDisk(const dvec2& square) {
     return radius * dvec2(std::cos(angle), std::sin(angle));
 }
 
+namespace {
+
+/// Columns (3, -6, 2) / 7, (6, 2, -3) / 7 and (2, 3, 6) / 7.
+const glm::dmat3 standing(dvec3(3.0, -6.0, 2.0) / 7.0, dvec3(6.0, 2.0, -3.0) / 7.0, dvec3(2.0, 3.0, 6.0) / 7.0);
+
+/// The half turn about s + n.
+dvec3 turned(const dvec3& v, const dvec3& n) {
+    const dvec3 axis = standing[2] + n;
+    return glm::length(axis) <= 1e-3 ? -v : 2.0 * glm::dot(axis, v) / glm::dot(axis, axis) * axis - v;
+}
+
+}  // namespace
+
 dvec3 aboutNormal(const dvec3& n, const dvec3& local) {
-    const dvec3 s = dvec3(2.0, 3.0, 6.0) / 7.0;
-    const dvec3 standing = (local.x * dvec3(3.0, -6.0, 2.0) + local.y * dvec3(6.0, 2.0, -3.0)) / 7.0 + local.z * s;
-    if (glm::length(s + n) <= 1e-3) return -standing;
-    const dvec3 axis = glm::normalize(s + n);
-    return 2.0 * glm::dot(axis, standing) * axis - standing;
+    return turned(standing * local, n);
+}
+
+dvec3 alongNormal(const dvec3& n, const dvec3& v) {
+    return glm::transpose(standing) * turned(v, n);
 }
 
 dvec3 cosineDirection(const dvec3& n, const dvec2& square) {

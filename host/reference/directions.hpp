@@ -13,6 +13,9 @@ dvec2 inDisk(const dvec2& square);
 /// turned by half a turn about s + n.
 dvec3 aboutNormal(const dvec3& n, const dvec3& local);
 
+/// The way back: the components of v along the axes that aboutNormal() has for n.
+dvec3 alongNormal(const dvec3& n, const dvec3& v);
+
 /// A unit vector whose density by solid angle is its cosine to n over pi: the point of the disk for `square`, raised to the
 /// hemisphere. Source: Malley 1988, "A Shading Method for Computer Generated Images".
 dvec3 cosineDirection(const dvec3& n, const dvec2& square);

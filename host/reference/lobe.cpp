@@ -1,5 +1,8 @@
 #include "reference/lobe.hpp"
 
+#include "reference/directions.hpp"
+#include "reference/optics.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -40,6 +43,27 @@ dvec3 lobeTowards(const Lobe& lobe, const dvec3& n, double roughness, const dvec
     const double g = 1.0 / (1.0 + lambda(nl) + lambda(nv));
     const double growth = std::pow(1.0 - std::clamp(glm::dot(eye, h), 0.0, 1.0), 5.0);
     return (lobe.along + (lobe.grazing - lobe.along) * growth) * (d * g / (4.0 * nl * nv));
+}
+
+dvec3 mirroredDirection(const dvec3& n, double a, const dvec3& eye, const dvec2& square) {
+    const dvec3 seen = alongNormal(n, eye);
+    const dvec3 stretched = glm::normalize(dvec3(a * seen.x, a * seen.y, seen.z));
+    const dvec2 disk = inDisk(square);
+    // Where the cap's height is even in the square of the radius.
+    const double within = glm::dot(disk, disk), z = 1.0 - within * (1.0 + stretched.z);
+    const double aside = within > 0.0 ? std::sqrt(std::max(0.0, 1.0 - z * z) / within) : 0.0;
+    const dvec3 h = dvec3(aside * disk, z) + stretched;
+    const dvec3 facet(a * h.x, a * h.y, std::max(0.0, h.z));
+    if (facet == dvec3(0.0)) return n;
+    return glm::normalize(aboutNormal(n, reflect(-seen, glm::normalize(facet))));
+}
+
+double mirroredDensity(const dvec3& n, double a, const dvec3& eye, const dvec3& light) {
+    constexpr double pi = 3.14159265358979323846;
+    const double nv = std::max(glm::dot(n, eye), 1.0 / 1024.0), nh = glm::dot(n, glm::normalize(eye + light));
+    const double d = a * a / (pi * std::pow(nh * nh * (a * a - 1.0) + 1.0, 2.0));
+    const double g1 = 2.0 / (1.0 + std::sqrt(1.0 + a * a * (1.0 / (nv * nv) - 1.0)));
+    return d * g1 / (4.0 * nv);
 }
 
 }  // namespace raig::reference

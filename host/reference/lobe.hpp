@@ -34,4 +34,12 @@ Lobe lobeOf(const LocalSurface& surface, double albedo);
 dvec3 lobeTowards(const Lobe& lobe, const dvec3& n, double roughness, const dvec3& eye, const dvec3& light,
                   double leastSpread);
 
+/// A direction in which mirrors of GGX's D of width a, on a surface of unit normal n, send light to `eye`, by which of them
+/// are seen from there, for a point of the unit square. Source: Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with
+/// Spherical Caps"; the cap's point is the disk's (reference/directions.hpp), taken there by area.
+dvec3 mirroredDirection(const dvec3& n, double a, const dvec3& eye, const dvec2& square);
+
+/// Its density by solid angle: D G1 / (4 (n.v)). Source: Heitz 2018, "Sampling the GGX Distribution of Visible Normals".
+double mirroredDensity(const dvec3& n, double a, const dvec3& eye, const dvec3& light);
+
 }  // namespace raig::reference

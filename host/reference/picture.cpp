@@ -4,6 +4,7 @@
 #include "base/parallel.hpp"
 #include "reference/directions.hpp"
 #include "reference/occlusion.hpp"
+#include "reference/path.hpp"
 #include "reference/sampling.hpp"
 
 #include <algorithm>
@@ -24,6 +25,7 @@ dvec2 halfSize(const Camera& camera, double aspect) {
 
 Radiance radianceAlong(const World& world, const PictureOptions& options, const Ray& ray, const SampleId& id) {
     if (options.integrator == Integrator::ao) return openness(world, ray, options.reach, options.bounds, id);
+    if (options.integrator == Integrator::path) return tracePath(world, ray, options.bounds, id);
     return traceRay(world, ray, options.bounds, id);
 }
 

@@ -44,7 +44,7 @@ struct Picture {
 /// Requires px < width, py < height, sample < options.samples. The direction is unit length.
 Ray cameraRay(const Camera& camera, const PictureOptions& options, uint32_t px, uint32_t py, uint32_t sample);
 
-/// Renders by traceRay or openness, over all cores; the same bits whatever their number.
+/// Renders by traceRay, tracePath or openness, over all cores; the same bits whatever their number.
 ///
 /// Requires  options.camera < scene.cameras.size(), a size of at least 1 x 1, a crop that lies in it.
 /// Ensures   a pixel is the mean of its samples. `progress`, if given, is told the share done from 0 to 1, from any thread

@@ -1,5 +1,9 @@
 #include "reference/shadows.hpp"
 
+#include "reference/environment.hpp"
+#include "reference/sampling.hpp"
+
+#include <algorithm>
 #include <cmath>
 
 namespace raig::reference {
@@ -18,6 +22,47 @@ double transmittance(const World& world, Ray shadow, bool throughGlass, uint32_t
         leaving = hit.primitive;
     }
     return 0.0;
+}
+
+std::vector<Arriving> lightsSeen(const World& world, const SurfacePoint& p, const SampleId& id, uint32_t k, uint32_t seed) {
+    std::vector<Arriving> lights;
+    for (const Light& light : world.scene.lights) lights.push_back(arriving(light, p.position, p.shadingNormal));
+    if (!world.emitters.triangles.empty()) {
+        const dvec2 choice = sample2(id.pixel, id.sample, 1 + 3 * k, seed);
+        const dvec2 place = sample2(id.pixel, id.sample, 2 + 3 * k, seed);
+        lights.push_back(arrivingFromEmitters(world, choice.x, place, p.position, p.shadingNormal));
+    }
+    if (world.scene.environment && world.scene.environment->shines()) {
+        const uint32_t dimension = 0x80000000u + 2 * k;
+        const dvec2 choice = sample2(id.pixel, id.sample, dimension, seed);
+        const dvec2 place = sample2(id.pixel, id.sample, dimension + 1, seed);
+        lights.push_back(arrivingFromEnvironment(*world.scene.environment, choice, place, p.shadingNormal));
+    }
+    return lights;
+}
+
+double shareSeen(const World& world, const SurfacePoint& p, const Arriving& light, bool throughGlass, uint32_t leaving,
+                 const SampleId& id, uint32_t key) {
+    const bool fromAbove = glm::dot(p.normal, light.direction) > 0.0;
+    if (light.irradiance == dvec3(0.0) || (!fromAbove && p.lift == dvec3(0.0))) return 0.0;
+    if (glm::dot(p.smoothNormal, light.direction) <= 0.0) return 0.0;
+    if (!light.castsShadows) return 1.0;
+    Ray shadow;
+    shadow.origin = leave(p, p.position + p.lift, p.normal, id, 4 * key + 2);
+    if (light.isFar) {
+        shadow.direction = id.rounding.direction(light.direction, 4 * key + 3);
+    } else {
+        // An emitter's own triangle is passed over by its id, so the ray may end on it.
+        const bool isPoint = light.triangle == noTriangle;
+        const double magnitude =
+            std::max({std::abs(light.position.x), std::abs(light.position.y), std::abs(light.position.z)});
+        const dvec3 end = isPoint ? light.position : id.rounding.position(light.position, magnitude, 4 * key + 3);
+        shadow.direction = end - shadow.origin;
+        shadow.tMax = isPoint ? 1.0 : 1.0 - 1e-12;
+    }
+    // Light from below the face's plane may be in the face's own shadow, as the ray starts above it.
+    const uint32_t passedOver = fromAbove ? leaving : noTriangle;
+    return transmittance(world, shadow, throughGlass, passedOver, light.triangle);
 }
 
 }  // namespace raig::reference

@@ -52,6 +52,8 @@ Emitters findEmitters(const Scene& scene, const Geometry& geometry, const Pyrami
         const Corners corners = cornersOf(geometry, id);
         const double area = 0.5 * glm::length(glm::cross(corners.b - corners.a, corners.c - corners.a));
         sum += area * glm::dot(dvec3(0.2126, 0.7152, 0.0722), emission);
+        const dvec3 plain = scene.materials[geometry.materials[id]].emission;
+        emitters.glow += area * glm::dot(dvec3(0.2126, 0.7152, 0.0722), plain);
         emitters.triangles.push_back(id);
         emitters.areas.push_back(area);
         sums.push_back(sum);
@@ -297,6 +299,10 @@ Arriving arriving(const Light& light, const dvec3& position, const dvec3& shadin
     return result;
 }
 
+double glowOf(const World& world, uint32_t material) {
+    return glm::dot(dvec3(0.2126, 0.7152, 0.0722), dvec3(world.scene.materials[material].emission)) / world.emitters.glow;
+}
+
 Arriving arrivingFromEmitters(const World& world, double choice, const dvec2& place, const dvec3& position,
                               const dvec3& shadingNormal) {
     const Emitters& emitters = world.emitters;
@@ -319,6 +325,8 @@ Arriving arrivingFromEmitters(const World& world, double choice, const dvec2& pl
         std::max(0.0, glm::dot(shadingNormal, result.direction)) * std::abs(glm::dot(normal, result.direction));
     const dvec3 weights((1.0 - root), root * (1.0 - place.y), root * place.y);
     const Place there{world, world.geometry.materials[result.triangle], corners, weights};
+    result.isDrawn = true;
+    result.density = glowOf(world, there.material) * squared / std::abs(glm::dot(normal, result.direction));
     result.irradiance = coverageAt(there) * emissionAt(there) * (cosines / squared / (chance / emitters.areas[i]));
     return result;
 }

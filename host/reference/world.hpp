@@ -13,6 +13,7 @@ struct Emitters {
     std::vector<uint32_t> triangles;  ///< usable ones with emission, by id
     std::vector<double> areas;
     std::vector<float> cumulative;  ///< shares summed in double, kept as floats; the last is exactly 1
+    double glow = 0.0;  ///< the sum of areas times the luminance of the material's emission, without its texture
 };
 
 /// A scene made ready. Scene and geometry must outlive it.
@@ -96,12 +97,18 @@ struct Arriving {
     bool isFar = false;
     bool castsShadows = true;
     uint32_t triangle = noTriangle;  ///< the emitter's
+    bool isDrawn = false;            ///< at random
+    double density = 0.0;            ///< by solid angle, with which a path takes it to be drawn
 };
 
 /// Light `light` at `position`. Point and spot lights fall off by the square of the distance, reach no farther than their
 /// range where they have one, and spots by the square of a ramp between the cosines of their cone angles
 /// [KHR_lights_punctual, glTF 2.0].
 Arriving arriving(const Light& light, const dvec3& position, const dvec3& shadingNormal);
+
+/// The density, by area, with which a path takes points of a triangle of that material to be drawn: the luminance of its
+/// emission, without its texture, over Emitters::glow. (They are drawn by that with the mean of the texture.)
+double glowOf(const World& world, uint32_t material);
 
 /// A random point of a random emitter, as a light: its irradiance is divided by the chance per area of that point.
 ///

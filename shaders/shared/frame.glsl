@@ -50,7 +50,11 @@ struct FrameParams {
     uint environmentAt;      // if there is one
     uint environmentSide;    // texels
     float reach;             // how far ambient occlusion looks
-    uint unused;
+    float roulette;          // a ray of a path that weighs less goes on by chance
+    float emitterScale;      // emitters are picked at a point, by area, with its emission's luminance times this: see p.glow
+    uint unused0;
+    uint unused1;
+    uint unused2;
 };
 
 // One dispatch over a list of slots.
@@ -71,6 +75,9 @@ CONSTANT uint MOST_PASSES = 64u;
 CONSTANT float LEAST_SPREAD = 0.01f;
 CONSTANT float LEAST_SAMPLED_SPREAD = 0.0625f;
 
+// To paths, surfaces of a smaller one are mirrors, and others have no mirror besides.
+CONSTANT float LEAST_DRAWN_SPREAD = 0.001f;
+
 // In the place of a slot that has finished.
 CONSTANT uint NO_SLOT = 0xffffffffu;
 
@@ -90,8 +97,8 @@ struct PathState {
     uint forgotten;      // how often more was entered than that holds, in all samples
     float travelled;     // by light from the ray's origin to the camera
     uint passes;         // surfaces that the ray has passed straight on, since the camera
-    uint unused0;
-    uint unused1;
+    float density;       // of a path's ray, with which its direction was drawn, by solid angle; 0: it was not
+    uint unused;
 };
 
 // A ray that waits to be followed.
@@ -105,7 +112,7 @@ struct PendingRay {
     float travelled;
     uint passes;
     float begin;         // distance from the origin that the ray goes on from
-    uint unused;
+    float density;
 };
 
 // A pixel that has all its samples, for now.
@@ -165,6 +172,7 @@ CONSTANT uint FEATURE_COVERAGE = 1u << 25u;            // surfaces that let rays
 CONSTANT uint FEATURE_BLENDS = 1u << 26u;              // ... and some of them in part
 
 // What the picture asks for besides: an integrator that is not Whitted's.
+CONSTANT uint FEATURE_PATH = 1u << 29u;
 CONSTANT uint FEATURE_AO = 1u << 30u;
 
 // The scene's data is an array of uvec4. A triangle is one element: its vertices and its material; and so is a sphere in its
