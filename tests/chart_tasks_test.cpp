@@ -83,6 +83,19 @@ TEST(PictureTask, FindsTheClosedFormOfFacingMirrors) {
     }
 }
 
+// With the reference's numbers the same picture, by every integrator; with others, one that differs by its noise.
+TEST(PictureTask, MeasuresEveryIntegratorAgainstItsOwnReference) {
+    const std::unique_ptr<Task> task = makeTask("picture", {});
+    const ChartScene scene("box", importScene(RAIG_SOURCE_DIR "/assets/cornell_box.gltf"));
+    for (const char* integrator : {"whitted", "path", "ao"}) {
+        Json settings = {{"integrator", integrator}, {"min-contribution", 1.0 / 512.0}, {"max-depth", 64},
+                         {"spp", 1},                 {"side", 16},                      {"repeat", 1}};
+        EXPECT_LT(task->run(&scene, settings)["rmse"].get<double>(), 1e-4) << integrator;
+        settings["reference-spp"] = 64;
+        EXPECT_GT(task->run(&scene, settings)["rmse"].get<double>(), 1e-2) << integrator;
+    }
+}
+
 /// A floor of two triangles, and a sphere a thousandth as large on it.
 Scene stadium() {
     Scene scene;
@@ -118,7 +131,7 @@ TEST(Tasks, RefuseWhatTheyDoNotKnow) {
         {"trace", R"({"accel": "embree-fast"})"}, {"trace", R"({"max-tree-depth": 1e9})"},
         {"trace", R"({"precision": 12})"},        {"trace", R"({"offset": 1e300})"},
         {"trace", R"({"rays": "gamma"})"},        {"picture", R"({"spp": 0})"},
-        {"picture", R"({"primary": "guess"})"},
+        {"picture", R"({"primary": "guess"})"},   {"picture", R"({"integrator": "guess"})"},
         {"picture", R"({"side": 1e9})"},          {"picture", R"({"min-contribution": -1})"},
         {"precision", R"({"method": "guess"})"},  {"spawn", R"({"policy": "hope"})"},
         {"spawn", R"({"size": 1e-300})"},         {"spawn", R"({"size": 1, "place": 1e9})"}};

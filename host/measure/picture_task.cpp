@@ -5,6 +5,9 @@
 #include "rays/adaptive.hpp"
 #include "rays/frame.hpp"
 #include "rays/lights.hpp"
+#include "scene/integrator.hpp"
+
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -16,6 +19,7 @@ namespace raig {
 namespace {
 
 constexpr double unbounded = 1e-6;  // a reference picture follows rays until their weight is below this
+constexpr double usual = 1.0 / 512.0;
 constexpr uint32_t deepest = 64;
 constexpr uint32_t depthSide = 64;  // of the picture that mean depths are counted in
 
@@ -42,23 +46,34 @@ public:
     }
 
     /// As deep as rays matter, with `samples` a pixel; the latest few are kept.
-    const reference::Picture& reference(uint32_t side, uint32_t samples, uint32_t seed) {
-        const auto key = std::tuple(side, samples, seed);
+    const reference::Picture& reference(Integrator integrator, uint32_t side, uint32_t samples, uint32_t seed) {
+        const auto key = std::tuple(integrator, side, samples, seed);
         const auto known = references_.find(key);
         if (known != references_.end()) return known->second;
         // Pixels that rounding can change are found where each has one sample: then edges are not averaged.
-        return references_.emplace(key, renderReference(side, samples, seed, deepest, unbounded, samples == 1 ? 4 : 0))
+        // Paths have no bias however early they end by chance.
+        const double contribution = integrator == Integrator::path ? usual : unbounded;
+        const uint32_t roundings = samples == 1 ? 4 : 0;
+        return references_.emplace(key, renderReference(integrator, side, samples, seed, deepest, contribution, roundings))
             .first->second;
     }
 
-    reference::Picture renderReference(uint32_t side, uint32_t samples, uint32_t seed, uint32_t depth, double contribution,
-                                       uint32_t roundings) const {
+    reference::Picture renderReference(Integrator integrator, uint32_t side, uint32_t samples, uint32_t seed, uint32_t depth,
+                                       double contribution, uint32_t roundings) const {
         reference::PictureOptions options;
+        options.integrator = integrator;
+        options.reach = reach();
         options.width = options.height = side;
         options.samples = samples;
         options.bounds = {depth, static_cast<float>(contribution), seed};
         options.roundings = roundings;
         return reference::render(scene_.world(), options);
+    }
+
+    /// How far ambient occlusion looks: a quarter of the diagonal of the scene's box.
+    float reach() const {
+        const Box& box = scene_.geometry().bounds;
+        return box.empty() ? INFINITY : static_cast<float>(0.25 * glm::length(dvec3(box.hi) - dvec3(box.lo)));
     }
 
 private:
@@ -68,7 +83,7 @@ private:
     std::unique_ptr<DeviceTracer> onDevice_;
     std::unique_ptr<Tracer> onCpu_;
     std::unique_ptr<DeviceFrame> frame_;
-    std::map<std::tuple<uint32_t, uint32_t, uint32_t>, reference::Picture> references_;
+    std::map<std::tuple<Integrator, uint32_t, uint32_t, uint32_t>, reference::Picture> references_;
 };
 
 double largest(const vec3& v) {
@@ -81,6 +96,15 @@ double meanOf(const std::vector<double>& values) {
     return values.empty() ? 0.0 : sum / double(values.size());
 }
 
+/// Throws usageError if there is none of that name.
+Integrator integratorOf(const Json& settings) {
+    const std::string name = textOf(settings, "integrator", "whitted");
+    const auto named = std::ranges::find(integratorNames, name);
+    if (named == integratorNames.end())
+        throw usageError("the setting \"integrator\" takes {}, not \"{}\"", fmt::join(integratorNames, ", "), name);
+    return static_cast<Integrator>(named - integratorNames.begin());
+}
+
 class PictureTask : public Task {
 public:
     explicit PictureTask(const TaskSettings& settings) : settings_(settings) {}
@@ -90,7 +114,8 @@ public:
     void check(const Json& settings) const override {
         checkSettings(settings, "picture",
                       {"max-depth", "min-contribution", "spp", "adaptive", "pictures", "side", "reference-spp", "repeat"},
-                      {"primary"});
+                      {"primary", "integrator"});
+        integratorOf(settings);
         const std::string primary = textOf(settings, "primary", "ray");
         if (primary != "ray" && primary != "raster")
             throw usageError("the setting \"primary\" takes ray or raster, not \"{}\"", primary);
@@ -124,11 +149,13 @@ public:
         frame.samples = static_cast<uint32_t>(numberOf(settings, "spp", 1));
         frame.tolerance = numberOf(settings, "adaptive", 0.0);
         frame.maxDepth = static_cast<uint32_t>(numberOf(settings, "max-depth", 8));
-        frame.minContribution = static_cast<float>(numberOf(settings, "min-contribution", 1.0 / 512.0));
+        frame.minContribution = static_cast<float>(numberOf(settings, "min-contribution", usual));
         frame.seed = settings_.seed;
+        frame.integrator = integratorOf(settings);
+        frame.reach = stage_->reach();
         // The noise of samples is measured against other ones; all else with the same, so that noise cancels.
         const uint32_t seed = referenceSamples > 1 ? settings_.seed + 0x5eed : settings_.seed;
-        const reference::Picture& expected = stage_->reference(side, referenceSamples, seed);
+        const reference::Picture& expected = stage_->reference(frame.integrator, side, referenceSamples, seed);
         draws_ = textOf(settings, "primary", "ray") == "raster";
         Picture picture;
         const double seconds = render(frame, static_cast<uint32_t>(numberOf(settings, "pictures", 1)),
@@ -143,8 +170,9 @@ public:
                          {"unsettled", picture.statistics.unsettled}};
         addPrimaries(picture, frame, measures);
         compare(picture, expected, referenceSamples == 1 && frame.samples == 1, measures);
-        measures["mean_depth"] =
-            meanOf(stage_->renderReference(depthSide, 1, seed, frame.maxDepth, double{frame.minContribution}, 0).depth);
+        const reference::Picture deep =
+            stage_->renderReference(frame.integrator, depthSide, 1, seed, frame.maxDepth, frame.minContribution, 0);
+        measures["mean_depth"] = meanOf(deep.depth);
         if (scene->mirrorReflectance) compareToClosedForm(picture, *scene->mirrorReflectance, frame.maxDepth, measures);
         return measures;
     }
