@@ -166,7 +166,7 @@ void compareRays(Setup& setup, const reference::Tree& tree, const FrameOptions& 
 int compareScene(const Options& options) {
     const std::unique_ptr<Setup> setup = prepare(options, options.inputs[0]);
     FrameOptions frame = frameOptions(options, setup->scene, /* defaultSamples= */ 1);
-    setIntegrator(options, setup->geometry, frame);
+    setIntegrator(options, *setup, frame);
 
     SceneComparison found;
     Clock::time_point start = Clock::now();

@@ -16,7 +16,8 @@ const char* const integratorHelp =
     "its ways, from each point one, by chance: indirect light, rough reflections and what glass focuses, in the place of\n"
     "ambient light. Rays that weigh less than 256 times --min-contribution end by chance, without a bias. ao shows ambient\n"
     "occlusion: white where nothing is near above a surface, whatever its material. Near is what is within --ao-distance,\n"
-    "in the scene's units, or inf (default: a quarter of the diagonal of the scene's box). More samples make all smoother.\n";
+    "in the scene's units, or inf (default: a quarter of the picture's height, where most is seen). More samples make all\n"
+    "smoother.\n";
 
 void addIntegratorOptions(CLI::App& command, Options& options) {
     const auto parse = [&options](const std::string& text) {
@@ -50,13 +51,33 @@ void checkIntegratorOptions(const Options& options) {
         throw usageError("--ao-distance {}: is for --integrator ao", *options.aoDistance);
 }
 
-void setIntegrator(const Options& options, const Geometry& geometry, FrameOptions& frame) {
+namespace {
+
+/// A quarter of the picture's height at the median distance of what is seen.
+float usualReach(Setup& setup, FrameOptions frame) {
+    frame.crop.reset();
+    frame.aperture = 0.0f;
+    frame.samples = 1;
+    frame.width = frame.height = 32;
+    const std::vector<Ray> rays = cameraRays(setup.scene, frame);
+    std::vector<Hit> hits(rays.size());
+    setup.tracer->trace(rays, hits, Query::closest);
+    std::erase_if(hits, [](const Hit& hit) { return hit.primitive == NO_HIT; });
+    if (hits.empty()) return INFINITY;
+    const auto middle = hits.begin() + static_cast<std::ptrdiff_t>(hits.size() / 2);
+    std::nth_element(hits.begin(), middle, hits.end(), [](const Hit& a, const Hit& b) { return a.t < b.t; });
+    const Camera& camera = setup.scene.cameras[frame.camera];
+    const double height = camera.orthographic ? 2.0 * camera.ymag : 2.0 * std::tan(0.5 * camera.yfov) * middle->t;
+    return static_cast<float>(0.25 * height);
+}
+
+}  // namespace
+
+void setIntegrator(const Options& options, Setup& setup, FrameOptions& frame) {
     frame.integrator = options.integrator;
     if (options.integrator != Integrator::ao) return;
-    const double diagonal =
-        geometry.bounds.empty() ? 0.0 : glm::length(dvec3(geometry.bounds.hi) - dvec3(geometry.bounds.lo));
-    const auto quarter = static_cast<float>(0.25 * diagonal);
-    frame.reach = options.aoDistance.value_or(quarter > 0.0f ? quarter : INFINITY);
+    const float reach = options.aoDistance ? *options.aoDistance : usualReach(setup, frame);
+    frame.reach = reach > 0.0f ? reach : INFINITY;
 }
 
 std::string integratorText(const FrameOptions& frame) {

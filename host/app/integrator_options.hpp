@@ -1,9 +1,8 @@
 /// How light is followed: the options of `raig render`, and of `raig compare` of a scene, and what becomes of them.
 #pragma once
 
-#include "app/options.hpp"
+#include "app/setup.hpp"
 #include "rays/frame.hpp"
-#include "scene/geometry.hpp"
 
 namespace CLI {
 class App;
@@ -20,9 +19,10 @@ extern const char* const integratorHelp;
 /// Throws usageError for options of an integrator that was not asked for.
 void checkIntegratorOptions(const Options& options);
 
-/// Puts what is asked for into `frame`. Ambient occlusion looks as far as is asked for, else a quarter of the diagonal of
-/// the scene's box.
-void setIntegrator(const Options& options, const Geometry& geometry, FrameOptions& frame);
+/// Puts what is asked for into `frame`, whose camera is that of the picture. Ambient occlusion looks as far as is asked for;
+/// else as far as a quarter of the picture's height is at the median distance of what the camera sees, by 1024 rays. Where
+/// that is nothing it has no end.
+void setIntegrator(const Options& options, Setup& setup, FrameOptions& frame);
 
 /// In words: "ambient occlusion up to 2.5".
 std::string integratorText(const FrameOptions& frame);

@@ -51,7 +51,7 @@ bool isWanted(const Options& options, Aov aov) {
 
 FrameOptions frameOptionsOf(const Options& options, Clock::time_point start, Setup& setup) {
     FrameOptions frame = frameOptions(options, setup.scene, usualSamples);
-    setIntegrator(options, setup.geometry, frame);
+    setIntegrator(options, setup, frame);
     setSampling(options, setup.scene, start, frame);
     frame.keepsLevels = isWanted(options, Aov::level);
     frame.countsCosts = isWanted(options, Aov::cost);
