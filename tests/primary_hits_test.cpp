@@ -93,7 +93,8 @@ Allowed allowedOf(const reference::World& world, const Ray& ray, uint32_t id, co
 
 dvec3 albedoOf(const reference::SurfacePoint& p) {
     const reference::LocalSurface& s = p.surface;
-    return s.transmits ? s.diffuse + s.transmission : (1.0 - s.metallic) * s.dielectric + s.metallic * s.metal + (1.0 - s.dielectric) * s.diffuse;
+    const dvec3 mirrored = (1.0 - s.metallic) * s.dielectric + s.metallic * s.metal;
+    return s.transmits ? s.diffuse + s.transmission : mirrored + (1.0 - s.dielectric) * s.diffuse;
 }
 
 dvec2 uvOf(const Geometry& g, const reference::Hit& hit) {
