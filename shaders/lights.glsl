@@ -92,24 +92,25 @@ uint pickEmitter(float x) {
     return low;
 }
 
-// One point on one emitting triangle as seen from p: emitters are picked by area times luminance, points uniformly by area
-// [Shirley, Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"]. `key` is that of the ray
-// which found p.
-ShadowRay emitterRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key) {
-    uint index = pickEmitter(sampleSquare(pixel, sampleIndex, 1u + 3u * key, frame.seed).x);
-    vec2 square = sampleSquare(pixel, sampleIndex, 2u + 3u * key, frame.seed);
-    uvec4 emitter = scene_at(frame.emittersAt + index);
-    float below = 0.0f;
-    if (index > 0u) below = uintBitsToFloat(scene_at(frame.emittersAt + index - 1u).x);
-    Facet facet = facetOf(emitter.y);
-    Corners corners = cornersOf(facet);
+// A point on an emitting triangle, as seen from p.
+struct EmitterPoint {
+    uvec4 triangle;
+    vec3 weights;    // barycentric
+    BoundedPoint at;
+    vec3 v;          // the way there
+    vec3 towards;    // ... as a unit vector
+    vec3 facing;     // the triangle's unit normal on p's side
+    float geometry;  // both cosines over the squared distance; 0 where it cannot light p
+};
 
+// Of the emitter that is listed at `index`, for a point of the unit square: uniformly by area.
+EmitterPoint emitterPoint(SurfacePoint p, uint index, vec2 square) {
+    Facet facet = facetOf(scene_at(frame.emittersAt + index).y);
+    Corners corners = cornersOf(facet);
     precise float r = sqrt(square.x);
     precise float b1 = r * (1.0f - square.y);
     precise float b2 = r * square.y;
     precise float b0 = 1.0f - b1 - b2;
-    vec3 emission = emissionAt(facet.triangle, vec3(b0, b1, b2), 0.0f, 0.0f);
-    if ((FEATURES & FEATURE_COVERAGE) != 0u) emission = coverageAt(facet.triangle, vec3(b0, b1, b2)) * emission;
     BoundedPoint q = pointOf(corners.a, corners.b, corners.c, b1, b2);
     precise vec3 v = q.position - p.at.position;
     precise float squaredDistance = dot(v, v);
@@ -118,16 +119,65 @@ ShadowRay emitterRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key) {
     vec3 facing = faceNormal(corners.a, corners.b, corners.c, -l);
     precise float cosineThere = -dot(facing, l);
     if (cosineThere < 0.0f) facing = -facing;
+    precise float geometry = cosine * abs(cosineThere) / squaredDistance;
     bool lit = squaredDistance > 0.0f && canReach(p, l) && cosine > 0.0f && cosineThere != 0.0f;
-    if (!lit) return noShadowRay();
+    return EmitterPoint(facet.triangle, vec3(b0, b1, b2), q, v, l, facing, lit ? geometry : 0.0f);
+}
 
+// How many points of emitters are drawn for one shadow ray. A path weighs what it draws by its density, which is known of
+// one.
+uint emitterCandidates() { return (FEATURES & FEATURE_PATH) != 0u ? 1u : EMITTER_CANDIDATES; }
+
+// The c-th of the points of emitters that are drawn for one shadow ray: which emitter, and where on it. They are stratified,
+// too.
+struct EmitterNumbers {
+    float choice;
+    vec2 square;
+};
+EmitterNumbers emitterNumbers(uint pixel, uint sampleIndex, uint c, uint key) {
+    uint number = emitterCandidates() * sampleIndex + c;
+    return EmitterNumbers(sampleSquare(pixel, number, 1u + 3u * key, frame.seed).x,
+                          sampleSquare(pixel, number, 2u + 3u * key, frame.seed));
+}
+
+// One point of the emitters as seen from p. Emitters are picked by area times luminance, points uniformly by area [Shirley,
+// Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"]; and of some such points one
+// by how they lie to p, which stands for all: what nothing hides is so drawn nearly by what it adds [Talbot, Cline and Egbert
+// 2005, "Importance Resampling for Global Illumination"]. `key` is that of the ray which found p; dimension 2^30 + key says
+// which of them.
+ShadowRay emitterRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key) {
+    vec3 sums = vec3(FAR_AWAY);  // of geometry, up to the first three
+    float sum = 0.0f;
+    for (uint c = 0u; c < emitterCandidates(); ++c) {
+        EmitterNumbers numbers = emitterNumbers(pixel, sampleIndex, c, key);
+        float one = emitterPoint(p, pickEmitter(numbers.choice), numbers.square).geometry;
+        precise float all = sum + one;
+        sums.x = c == 0u ? all : sums.x;
+        sums.y = c == 1u ? all : sums.y;
+        sums.z = c == 2u ? all : sums.z;
+        sum = all;
+    }
+    if (!(sum > 0.0f)) return noShadowRay();
+    precise float place = sampleSquare(pixel, sampleIndex, 0x40000000u + key, frame.seed).x * sum;
+    uint chosen = 0u;
+    if (place >= sums.x) chosen = 1u;
+    if (place >= sums.y) chosen = 2u;
+    if (place >= sums.z) chosen = 3u;
+    EmitterNumbers numbers = emitterNumbers(pixel, sampleIndex, chosen, key);
+    uint index = pickEmitter(numbers.choice);
+    EmitterPoint q = emitterPoint(p, index, numbers.square);
+    if (!(q.geometry > 0.0f)) return noShadowRay();  // of the last ones, if rounding brought `place` to the sum
+    vec3 emission = emissionAt(q.triangle, q.weights, 0.0f, 0.0f);
+    if ((FEATURES & FEATURE_COVERAGE) != 0u) emission = coverageAt(q.triangle, q.weights) * emission;
+    uvec4 emitter = scene_at(frame.emittersAt + index);
+    float below = 0.0f;
+    if (index > 0u) below = uintBitsToFloat(scene_at(frame.emittersAt + index - 1u).x);
     precise float probability = uintBitsToFloat(emitter.x) - below;
     precise float density = probability / uintBitsToFloat(emitter.z);
-    precise float geometry = cosine * abs(cosineThere) / squaredDistance / density;
-    precise vec3 light = geometry * emission;
+    precise vec3 light = sum / (float(emitterCandidates()) * density) * emission;
     vec3 origin = shadowOrigin(p);
-    precise vec3 all = spawnOrigin(seenFrom(q, v), facing) - origin;
-    if ((FEATURES & FEATURE_PATH) == 0u) return ShadowRay(Ray(origin, 0.0f, all, 1.0f), light, l, 0.0f);
-    precise float towards = glowOf(facet.triangle) * squaredDistance / abs(cosineThere);
-    return ShadowRay(Ray(origin, 0.0f, all, 1.0f), light, l, towards);
+    precise vec3 all = spawnOrigin(seenFrom(q.at, q.v), q.facing) - origin;
+    if ((FEATURES & FEATURE_PATH) == 0u) return ShadowRay(Ray(origin, 0.0f, all, 1.0f), light, q.towards, 0.0f);
+    precise float towards = glowOf(q.triangle) * dot(q.v, q.v) / abs(dot(q.facing, q.towards));
+    return ShadowRay(Ray(origin, 0.0f, all, 1.0f), light, q.towards, towards);
 }

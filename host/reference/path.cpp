@@ -134,7 +134,7 @@ private:
     dvec3 directLight(const SurfacePoint& p, const Scattering& s, const Chances& chances, const dvec3& eye,
                       uint32_t leaving) const {
         dvec3 sum(0.0);
-        for (const Arriving& light : lightsSeen(world_, p, id_, key_, bounds_.seed)) {
+        for (const Arriving& light : lightsSeen(world_, p, id_, key_, bounds_.seed, /* candidates= */ 1)) {
             const double seen = shareSeen(world_, p, light, !light.isDrawn, leaving, id_, key_);
             if (seen == 0.0) continue;
             // A drawn ray would pass what `seen` is of by that chance.

@@ -1,5 +1,6 @@
 #include "reference/shadows.hpp"
 
+#include "reference/emitters.hpp"
 #include "reference/environment.hpp"
 #include "reference/sampling.hpp"
 
@@ -24,14 +25,11 @@ double transmittance(const World& world, Ray shadow, bool throughGlass, uint32_t
     return 0.0;
 }
 
-std::vector<Arriving> lightsSeen(const World& world, const SurfacePoint& p, const SampleId& id, uint32_t k, uint32_t seed) {
+std::vector<Arriving> lightsSeen(const World& world, const SurfacePoint& p, const SampleId& id, uint32_t k, uint32_t seed,
+                                 uint32_t candidates) {
     std::vector<Arriving> lights;
     for (const Light& light : world.scene.lights) lights.push_back(arriving(light, p.position, p.shadingNormal));
-    if (!world.emitters.triangles.empty()) {
-        const dvec2 choice = sample2(id.pixel, id.sample, 1 + 3 * k, seed);
-        const dvec2 place = sample2(id.pixel, id.sample, 2 + 3 * k, seed);
-        lights.push_back(arrivingFromEmitters(world, choice.x, place, p.position, p.shadingNormal));
-    }
+    if (!world.emitters.triangles.empty()) lights.push_back(drawnFromEmitters(world, p, id, k, seed, candidates));
     if (world.scene.environment && world.scene.environment->shines()) {
         const uint32_t dimension = 0x80000000u + 2 * k;
         const dvec2 choice = sample2(id.pixel, id.sample, dimension, seed);
@@ -44,8 +42,7 @@ std::vector<Arriving> lightsSeen(const World& world, const SurfacePoint& p, cons
 double shareSeen(const World& world, const SurfacePoint& p, const Arriving& light, bool throughGlass, uint32_t leaving,
                  const SampleId& id, uint32_t key) {
     const bool fromAbove = glm::dot(p.normal, light.direction) > 0.0;
-    if (light.irradiance == dvec3(0.0) || (!fromAbove && p.lift == dvec3(0.0))) return 0.0;
-    if (glm::dot(p.smoothNormal, light.direction) <= 0.0) return 0.0;
+    if (light.irradiance == dvec3(0.0) || !canReach(p, light.direction)) return 0.0;
     if (!light.castsShadows) return 1.0;
     Ray shadow;
     shadow.origin = leave(p, p.position + p.lift, p.normal, id, 4 * key + 2);

@@ -12,9 +12,11 @@ inline constexpr uint32_t mostPasses = 64;
 /// of one that transmits if `throughGlass`. Triangles `leaving` and `arriving` are none of them. Nothing, beyond mostPasses.
 double transmittance(const World& world, Ray shadow, bool throughGlass, uint32_t leaving, uint32_t arriving = noTriangle);
 
-/// Every light of the scene, then a random point of the emitters, if there are any, and a random direction of the
-/// environment, if it shines. Dimensions 1 + 3 k and 2 + 3 k are the emitters', 2^31 + 2 k and the next the environment's.
-std::vector<Arriving> lightsSeen(const World& world, const SurfacePoint& p, const SampleId& id, uint32_t k, uint32_t seed);
+/// Every light of the scene, then a random point of the emitters, if there are any, which is drawn from `candidates`
+/// (reference/emitters.hpp), and a random direction of the environment, if it shines, whose dimensions are 2^31 + 2 k and
+/// the next.
+std::vector<Arriving> lightsSeen(const World& world, const SurfacePoint& p, const SampleId& id, uint32_t k, uint32_t seed,
+                                 uint32_t candidates);
 
 /// What gets through of light from `light`: nothing where it is behind the smooth surface or hidden, or behind the face
 /// though nothing lies above that. `leaving` is the triangle of p; `key` is of the rounding.

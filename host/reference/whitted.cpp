@@ -107,10 +107,12 @@ private:
                          arriving.irradiance;
         };
         const double share = p.surface.transmits ? 0.0 : 1.0 - p.surface.gloss;
-        for (const Arriving& each : lightsSeen(world_, p, id_, key, bounds_.seed))
+        for (const Arriving& each : lightsSeen(world_, p, id_, key, bounds_.seed, emitterCandidates))
             add(each, each.isDrawn ? share : 1.0, each.isDrawn ? 1.0 / 16.0 : 0.01);
         return light;
     }
+
+    static constexpr uint32_t emitterCandidates = 4;
 
     const World& world_;
     const Bounds& bounds_;

@@ -35,7 +35,7 @@ struct Radiance {
     double depth = 0.0;      ///< of the deepest ray that was followed
 };
 
-/// The radiance along `ray` (unit direction), by Whitted's recursion with one emitter sample a shading point:
+/// The radiance along `ray` (unit direction), by Whitted's recursion with one shadow ray to the emitters a shading point:
 ///   - nothing hit: the sky, or the environment;
 ///   - a surface's own emission, both sides;
 ///   - reflection, diffuse and by the lobe (reference/lobe.hpp), of the ambient light, of every light, of a random point of

@@ -139,6 +139,9 @@ struct PrimaryHit {
     uint pixel;
 };
 
+// Points of emitters that are drawn for one shadow ray: four at most.
+CONSTANT uint EMITTER_CANDIDATES = 4u;
+
 // The end of rays that have none: farther than any two points that rays can meet are apart.
 CONSTANT float FAR_AWAY = 3.4e38f;
 
