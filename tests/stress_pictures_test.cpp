@@ -90,7 +90,7 @@ TEST(StressPictures, NoticePixelsThatAreNoNumbers) {
                                                     picture.radiance[0].y = nan;
                                             })},
                                             {caseOf(60)});
-        EXPECT_EQ(report.results.at(0).count(StressFault::wrong), 4u) << "one a picture";
+        EXPECT_EQ(report.results.at(0).count(StressFault::wrong), 12u) << "one a picture";
     }
 }
 
@@ -119,7 +119,8 @@ TEST(StressPictures, NoticeTheMistakesTheyAreFor) {
     EXPECT_GT(wrongOf(53, spoiled([](Picture& picture) {
                           for (float& weight : picture.discarded) weight = 0.0f;
                       })),
-              0.8);
+              0.6)
+        << "not of paths that were not cut off";
     EXPECT_GT(wrongOf(54, ofAnother([](Scene& scene) {
                           for (Material& material : scene.materials) material.baseColor = vec3(0.99f);
                       })),

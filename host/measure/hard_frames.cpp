@@ -99,12 +99,20 @@ std::vector<PictureScene> limits(const Draw&) {
 
 /// Case 60.
 std::vector<PictureScene> tiles(const Draw&) {
-    PictureScene scene{.name = "tiles of 1 to 64 pixels", .scene = varied(), .fault = nothing, .sameBits = true};
-    for (const uint32_t tile : {0u, 1u, 7u, 64u}) {
-        scene.options.push_back(pictureOf(9, 5, 3));
-        scene.options.back().tilePixels = tile;
+    std::vector<PictureScene> scenes;
+    for (const Integrator integrator : {Integrator::whitted, Integrator::path, Integrator::ao}) {
+        PictureScene scene{.name = fmt::format("tiles of 1 to 64 pixels, {}", integratorNames[size_t(integrator)]),
+                           .scene = varied(),
+                           .fault = nothing,
+                           .sameBits = true};
+        for (const uint32_t tile : {0u, 1u, 7u, 64u}) {
+            scene.options.push_back(pictureOf(9, 5, 3));
+            scene.options.back().tilePixels = tile;
+            scene.options.back().integrator = integrator;
+        }
+        scenes.push_back(scene);
     }
-    return {scene};
+    return scenes;
 }
 
 /// Case 61: among others, triangles and spheres that are none; the picture is that of the others.

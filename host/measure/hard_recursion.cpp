@@ -12,18 +12,9 @@ namespace {
 
 constexpr double glow = 0.25;
 
-/// Case 52: between two mirrors that glow, light adds up to a geometric series: glow / (1 - K). Cut off after N + 1 terms,
-/// K^(N+1) of it is left out.
-PictureScene facingMirrors(float reflectance) {
-    PictureScene scene;
-    scene.name = fmt::format("K {:g}", reflectance);
-    Material m = mirror(reflectance);
-    m.emission = vec3(float(glow));
-    addQuad(scene.scene, {-10, -10, -1}, {20, 0, 0}, {0, 20, 0}, m);
-    addQuad(scene.scene, {-10, -10, 1}, {0, 20, 0}, {20, 0, 0}, m);
-    scene.scene.cameras.push_back(cameraAt({0.1f, 0.2f, 0}, {0, 0, -1}, 0.001f));
-    for (const uint32_t depth : {3u, 8u, 15u, 30u}) scene.options.push_back(pictureOf(2, 2, depth));
-    scene.fault = [reflectance](const Picture& picture, const FrameOptions& options, size_t pixel) -> std::string {
+/// Of light that is `glow` at each of N + 1 places, each time reflected by K: what is not explained by what is cut off.
+auto seriesFault(float reflectance) {
+    return [reflectance](const Picture& picture, const FrameOptions& options, size_t pixel) -> std::string {
         const double rest = std::pow(double{reflectance}, options.maxDepth + 1.0), whole = glow / (1.0 - reflectance);
         const double seen = picture.radiance[pixel].x, discarded = picture.discarded[pixel];
         const double slack = roundingOf(options.maxDepth);
@@ -34,15 +25,56 @@ PictureScene facingMirrors(float reflectance) {
                                whole, discarded);
         return "";
     };
+}
+
+/// The same picture by Whitted's integrator and by paths, which have no choice in it.
+void addBoth(FrameOptions options, PictureScene& scene) {
+    scene.options.push_back(options);
+    options.integrator = Integrator::path;
+    scene.options.push_back(options);
+}
+
+/// Case 52: between two mirrors that glow, light adds up to a geometric series: glow / (1 - K). Cut off after N + 1 terms,
+/// K^(N+1) of it is left out.
+PictureScene facingMirrors(float reflectance) {
+    PictureScene scene;
+    scene.name = fmt::format("K {:g}", reflectance);
+    Material m = mirror(reflectance);
+    m.emission = vec3(float(glow));
+    addQuad(scene.scene, {-10, -10, -1}, {20, 0, 0}, {0, 20, 0}, m);
+    addQuad(scene.scene, {-10, -10, 1}, {0, 20, 0}, {20, 0, 0}, m);
+    scene.scene.cameras.push_back(cameraAt({0.1f, 0.2f, 0}, {0, 0, -1}, 0.001f));
+    for (const uint32_t depth : {3u, 8u, 15u, 30u}) addBoth(pictureOf(2, 2, depth), scene);
+    scene.fault = seriesFault(reflectance);
+    return scene;
+}
+
+/// The same within a sphere that glows and scatters K: only paths follow that. A ray that got out of it would miss its rest.
+PictureScene closedSphere(float reflectance, float radius, float offset) {
+    PictureScene scene;
+    scene.name = fmt::format("paths in a sphere of radius {:g}, {:g} off the origin, K {:g}", radius, offset, reflectance);
+    Material m;
+    m.baseColor = vec3(reflectance);
+    m.emission = vec3(float(glow));
+    addSphere(scene.scene, vec3(offset), radius, m);
+    scene.scene.cameras.push_back(cameraAt(vec3(offset) + radius * vec3(0.3f, 0.2f, 0.1f), {0.1f, 0.5f, -1}, 1.5f));
+    for (const uint32_t depth : {3u, 15u, 60u}) {
+        scene.options.push_back(pictureOf(4, 4, depth));
+        scene.options.back().integrator = Integrator::path;
+    }
+    scene.fault = seriesFault(reflectance);
     return scene;
 }
 
 std::vector<PictureScene> mirrors(const Draw&) {
-    return {facingMirrors(0.5f), facingMirrors(0.9f), facingMirrors(0.98f)};
+    return {facingMirrors(0.5f),           facingMirrors(0.9f),
+            facingMirrors(0.98f),          closedSphere(0.75f, 1.0f, 0.0f),
+            closedSphere(0.9f, 1e-6f, 0.0f), closedSphere(0.9f, 1e6f, 0.0f),
+            closedSphere(0.9f, 1.0f, 100.0f)};
 }
 
 /// Case 53: panes that reflect half of the light and let the other half pass, `count` on each side of the camera. Of light
-/// that is 1 everywhere nothing is lost. Each level has twice the rays of the one before.
+/// that is 1 everywhere nothing is lost. Each level has twice the rays of the one before; a path has one.
 PictureScene panes(int count, uint32_t depth, const std::vector<float>& contributions) {
     PictureScene scene{.name = fmt::format("{} panes on each side", count), .scene = whiteSky(), .fault = furnaceFault};
     Material pane = glass(5.8284273f);  // ((n - 1) / (n + 1))^2 = 1/2
@@ -51,7 +83,7 @@ PictureScene panes(int count, uint32_t depth, const std::vector<float>& contribu
         for (const float z : {float(2 * i + 1), float(-2 * i - 1)})
             addQuad(scene.scene, {-20, -20, z}, {40, 0, 0}, {0, 40, 0}, pane);
     scene.scene.cameras.push_back(cameraAt({0.1f, 0.2f, 0}, {0, 0, -1}, 0.001f));
-    for (const float least : contributions) scene.options.push_back(pictureOf(2, 2, depth, least));
+    for (const float least : contributions) addBoth(pictureOf(2, 2, depth, least), scene);
     return scene;
 }
 
