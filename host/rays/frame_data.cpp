@@ -40,7 +40,16 @@ private:
     FrameData& data_;
 };
 
-void packMaterials(const Scene& scene, const TextureList& textures, Packer& packer, FrameData& data) {
+/// Of each material, whether anything is made of it. O(primitives).
+std::vector<bool> findUsed(const Scene& scene, const Geometry& geometry) {
+    std::vector<bool> isUsed(scene.materials.size(), false);
+    for (const uint32_t material : geometry.materials) isUsed[material] = true;
+    return isUsed;
+}
+
+/// Code is left out for what only unused materials ask for.
+void packMaterials(const Scene& scene, const std::vector<bool>& isUsed, const TextureList& textures, Packer& packer,
+                   FrameData& data) {
     data.params.materialsAt = packer.here();
     for (size_t i = 0; i < scene.materials.size(); ++i) {
         const Material& m = scene.materials[i];
@@ -57,6 +66,7 @@ void packMaterials(const Scene& scene, const TextureList& textures, Packer& pack
         packer.append({t.color, t.roughness, t.normal, t.emission});
         packer.append({t.occlusion, bitsOf(m.occlusionStrength), bitsOf(m.normalScale), uint32_t{data.media.ofMaterial[i]}});
         packer.append({bitsOf(covers ? 0.0f : leastAlpha(m)), 0u, 0u, 0u});
+        if (!isUsed[i]) continue;
         if (!covers) data.features |= FEATURE_COVERAGE;
         if (!covers && m.alphaCutoff <= 0.0f) data.features |= FEATURE_BLENDS;
         const bool shines = s.f90 > 0.0f || m.metallic > 0.0f || t.roughness != NO_TEXTURE;
@@ -256,11 +266,12 @@ void takeOptions(const FrameOptions& options, FrameData& data) {
 FrameData packFrame(const Scene& scene, const Geometry& geometry, bool keepsUvs) {
     FrameData data;
     Packer packer(data);
-    const TextureList textures = listTextures(scene, geometry);
+    const std::vector<bool> isUsed = findUsed(scene, geometry);
+    const TextureList textures = listTextures(scene, geometry, isUsed);
     data.features |= textureFeatures(textures);
     if (!geometry.uvs.empty() && keepsUvs) data.features |= FEATURE_UVS;
     data.media = findMedia(scene, geometry);
-    packMaterials(scene, textures, packer, data);
+    packMaterials(scene, isUsed, textures, packer, data);
     packMedia(packer, data);
     packLights(scene, geometry, packer, data);
     if (!textures.entries.empty()) {

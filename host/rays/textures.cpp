@@ -2,7 +2,6 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "rays/frame_types.hpp"
 
 #include <algorithm>
 #include <array>
@@ -96,7 +95,7 @@ std::vector<Texels> pyramidOf(const Texels& image, bool encoded) {
     return levels;
 }
 
-TextureList listTextures(const Scene& scene, const Geometry& geometry) {
+TextureList listTextures(const Scene& scene, const Geometry& geometry, const std::vector<bool>& isUsed) {
     TextureList list;
     const auto numberOf = [&](const std::optional<Texture>& texture, bool encoded) {
         if (!texture || (texture->set == 0 ? geometry.uvs : geometry.moreUvs).empty()) return NO_TEXTURE;
@@ -107,10 +106,14 @@ TextureList listTextures(const Scene& scene, const Geometry& geometry) {
         list.entries.push_back({*texture, encoded});
         return static_cast<uint32_t>(list.entries.size() - 1);
     };
-    for (const Material& m : scene.materials)
-        list.ofMaterial.push_back({numberOf(m.baseColorTexture, true), numberOf(m.roughnessTexture, false),
-                                   numberOf(m.normalTexture, false), numberOf(m.emissionTexture, true),
-                                   numberOf(m.occlusionTexture, false)});
+    for (size_t i = 0; i < scene.materials.size(); ++i) {
+        const Material& m = scene.materials[i];
+        list.ofMaterial.emplace_back();
+        if (!isUsed[i]) continue;
+        list.ofMaterial.back() = {numberOf(m.baseColorTexture, true), numberOf(m.roughnessTexture, false),
+                                  numberOf(m.normalTexture, false), numberOf(m.emissionTexture, true),
+                                  numberOf(m.occlusionTexture, false)};
+    }
     return list;
 }
 

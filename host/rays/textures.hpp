@@ -1,6 +1,7 @@
 /// The textures of a scene as the frame's code looks them up: images with their pyramids, each once.
 #pragma once
 
+#include "rays/frame_types.hpp"
 #include "scene/geometry.hpp"
 
 #include <vector>
@@ -19,14 +20,16 @@ struct TextureList {
         Texture texture;
         bool encoded;  ///< as sRGB
     };
-    /// Of one material; NO_TEXTURE where it has none, or the geometry no such texture coordinates.
+    /// Of one material; NO_TEXTURE where it has none, or nothing is made of it, or the geometry has no such texture
+    /// coordinates.
     struct Numbers {
-        uint32_t color, roughness, normal, emission, occlusion;
+        uint32_t color = shared::NO_TEXTURE, roughness = color, normal = color, emission = color, occlusion = color;
     };
     std::vector<Entry> entries;
     std::vector<Numbers> ofMaterial;
 };
-TextureList listTextures(const Scene& scene, const Geometry& geometry);
+/// `isUsed`: of each material, whether anything is made of it.
+TextureList listTextures(const Scene& scene, const Geometry& geometry, const std::vector<bool>& isUsed);
 
 /// FEATURE_* of all that is listed.
 uint32_t textureFeatures(const TextureList& list);
