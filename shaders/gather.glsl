@@ -1,4 +1,5 @@
-// Beginning a tile, or taking its pixels up again, and what follows the shadow rays: their light is added, and each slot moves on to its next ray.
+// Beginning a tile, or taking its pixels up again, and what follows the shadow rays: their light is added, and each slot
+// moves on to its next ray.
 //
 // Whoever includes this declares `frame`, `now`, slotList[], states[], rays[], pending[], shadowHits[], contributions[],
 // results[] and the counter `counted` before it, and includes path.glsl.

@@ -26,8 +26,8 @@ vec3 shadowOrigin(SurfacePoint p) {
 }
 
 // True if light from direction l can reach the point's side: that of the smooth surface, which no normal texture bends, and
-// that of the triangle. Where the smooth surface lies above the triangle light may come from under the triangle's plane, too:
-// whether the triangle itself is in its way its ray finds out.
+// that of the triangle. Where the smooth surface lies above the triangle light may come from under the triangle's plane,
+// too: whether the triangle itself is in its way its ray finds out.
 bool canReach(SurfacePoint p, vec3 l) {
     bool above = dot(p.normal, l) > 0.0f;
     if ((FEATURES & FEATURE_NORMALS) == 0u) return above;
@@ -142,9 +142,9 @@ EmitterNumbers emitterNumbers(uint pixel, uint sampleIndex, uint c, uint key) {
 
 // One point of the emitters as seen from p. Emitters are picked by area times luminance, points uniformly by area [Shirley,
 // Wang and Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting Calculations"]; and of some such points one
-// by how they lie to p, which stands for all: what nothing hides is so drawn nearly by what it adds [Talbot, Cline and Egbert
-// 2005, "Importance Resampling for Global Illumination"]. `key` is that of the ray which found p; dimension 2^30 + key says
-// which of them.
+// by how they lie to p, which stands for all: what nothing hides is so drawn nearly by what it adds [Talbot, Cline and
+// Egbert 2005, "Importance Resampling for Global Illumination"]. `key` is that of the ray which found p; dimension 2^30 +
+// key says which of them.
 ShadowRay emitterRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key) {
     vec3 sums = vec3(FAR_AWAY);  // of geometry, up to the first three
     float sum = 0.0f;
@@ -157,12 +157,13 @@ ShadowRay emitterRay(SurfacePoint p, uint pixel, uint sampleIndex, uint key) {
         sums.z = c == 2u ? all : sums.z;
         sum = all;
     }
-    if (!(sum > 0.0f)) return noShadowRay();
+    if (!(sum > 0.0f && sum < FAR_AWAY)) return noShadowRay();
     precise float place = sampleSquare(pixel, sampleIndex, 0x40000000u + key, frame.seed).x * sum;
     uint chosen = 0u;
     if (place >= sums.x) chosen = 1u;
     if (place >= sums.y) chosen = 2u;
     if (place >= sums.z) chosen = 3u;
+    chosen = min(chosen, emitterCandidates() - 1u);
     EmitterNumbers numbers = emitterNumbers(pixel, sampleIndex, chosen, key);
     uint index = pickEmitter(numbers.choice);
     EmitterPoint q = emitterPoint(p, index, numbers.square);

@@ -3,10 +3,11 @@
 // A surface of roughness r is made of small mirrors, whose normals are spread by a = r^2 [Walter et al. 2007, "Microfacet
 // Models for Refraction through Rough Surfaces": GGX], which shade each other [Heitz 2014, "Understanding the
 // Masking-Shadowing Function in Microfacet-Based BRDFs": height-correlated]. Each reflects by f0 + (f90 - f0) (1 - cos)^5
-// [Schlick 1994]. Of all of it the reflected ray brings the share `gloss` = max(0, 1 - 2 r)^2, and the lobe the rest: in
-// light from everywhere, from emitters and from the environment. Point, spot and directional lights have no size, so that no
-// reflected ray finds them: of theirs the lobe brings everything. What it misses as it leaves out light that goes from mirror
-// to mirror, it gains by a factor [Turquin 2019, "Practical Multiple Scattering Compensation for Microfacet Models"].
+// [Schlick 1994]. Of all of it the reflected ray brings the share `gloss` = max(0, 1 - 2 r)^2 (of a path: all or nothing),
+// and the lobe the rest: in light from everywhere, from emitters and from the environment. Point, spot and directional
+// lights have no size, so that no reflected ray finds them: of theirs the lobe brings everything. What it misses as it
+// leaves out light that goes from mirror to mirror, it gains by a factor [Turquin 2019, "Practical Multiple Scattering
+// Compensation for Microfacet Models"].
 //
 // Whoever includes this includes shared/frame.glsl (LEAST_SPREAD) and surface.glsl before it.
 
@@ -18,9 +19,10 @@ struct Lobe {
 
 Lobe noLobe() { return Lobe(vec3(0.0f), vec3(0.0f)); }
 
-// Of light from everywhere, the share that a lobe of roughness r reflects whose mirrors reflect everything (x), and of it what
-// (1 - cos)^5 of each reflects (y). Requires cosine, between the eye's direction and the normal, and r in [0, 1].
-// Fitted to both for cosines of 0.03 to 1 and r of 0.1 to 1: off by at most 0.033 and 0.032, 0.016 and 0.012 root mean square.
+// Of light from everywhere, the share that a lobe of roughness r reflects whose mirrors reflect everything (x), and of it
+// what (1 - cos)^5 of each reflects (y). Requires cosine, between the eye's direction and the normal, and r in [0, 1].
+// Fitted to both for cosines of 0.03 to 1 and r of 0.1 to 1: off by at most 0.033 and 0.032, 0.016 and 0.012 root mean
+// square.
 vec2 lobeAlbedo(float cosine, float r) {
     precise float root = sqrt(cosine);
     precise float lost = r * ((1.197116f - 2.842857f * root + 1.264805f * cosine) +
@@ -45,9 +47,9 @@ Lobe lobeOf(SurfacePoint p, float albedo) {
     return Lobe(along, grazing);
 }
 
-// GGX's density D of the normals of mirrors at h, over solid angle, on a surface of normal n: D (n.h) integrates to 1 over the
-// hemisphere. So directions mirrored at h drawn from it, by tan^2 = a^2 u / (1 - u) for u in [0, 1), have a density of
-// D (n.h) / (4 v.h). Requires unit n and h.
+// GGX's density D of the normals of mirrors at h, over solid angle, on a surface of normal n: D (n.h) integrates to 1 over
+// the hemisphere. So directions mirrored at h drawn from it, by tan^2 = a^2 u / (1 - u) for u in [0, 1), have a density of D
+// (n.h) / (4 v.h). Requires unit n and h.
 float facetDensity(vec3 n, vec3 h, float a) {
     vec3 across = crossOf(n, h);
     precise float nh = dot(n, h);

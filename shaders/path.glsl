@@ -36,9 +36,10 @@ void follow(uint slot, INOUT(PathState) state, vec3 origin, vec3 direction, vec3
 }
 
 // Puts off the rest of `ray` beyond a surface at distance t that it passes straight through: as deep as before, but no more
-// than MOST_PASSES such surfaces since the camera. It is the same ray, which only begins later: so it meets all that it would
-// have met, to the bit, but the surface. Requires the rays that follow() puts off at the same surface to be put off after it:
-// then what waits is at most one ray of each depth, and two of the last, so that room for maxDepth + 1 rays will do here, too.
+// than MOST_PASSES such surfaces since the camera. It is the same ray, which only begins later: so it meets all that it
+// would have met, to the bit, but the surface. Requires the rays that follow() puts off at the same surface to be put off
+// after it: then what waits is at most one ray of each depth, and two of the last, so that room for maxDepth + 1 rays will
+// do here, too.
 void passOn(uint slot, INOUT(PathState) state, Ray ray, float t, vec3 weight, uint key, uint media) {
     float largest = largestOf(weight);
     if (state.passes >= MOST_PASSES || largest < frame.minContribution) {

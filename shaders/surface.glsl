@@ -105,9 +105,9 @@ vec3 interpolatedNormal(Corners normals, vec3 b, vec3 n) {
     return dot(interpolated, n) < 0.0f ? -interpolated : interpolated;
 }
 
-// How far the smooth surface that the vertices' normals tell of lies outside the triangle at `position`, on the side of n: the
-// way to the mean of where it is projected to in the planes across the normals at the vertices, as far as these lie outside.
-// Shadow rays that start there do not meet facets where the smooth surface would be lit.
+// How far the smooth surface that the vertices' normals tell of lies outside the triangle at `position`, on the side of n:
+// the way to the mean of where it is projected to in the planes across the normals at the vertices, as far as these lie
+// outside. Shadow rays that start there do not meet facets where the smooth surface would be lit.
 // Source: Hanika 2021, "Hacking the Shadow Terminator", in Ray Tracing Gems II.
 vec3 liftOf(Corners corners, Corners normals, vec3 b, vec3 position, vec3 n) {
     precise vec3 sum = normals.a + normals.b + normals.c;

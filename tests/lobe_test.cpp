@@ -80,7 +80,8 @@ TEST(Lobe, IsTheReferencesInSinglePrecision) {
         // Both get the same numbers: eye and light as they are rounded, as where the half vector points follows from their
         // lengths, too. The reference asks for a normal of unit length.
         const dvec3 e{vec3(eye)}, l{vec3(light)};
-        const double want = reference::lobeTowards({dvec3(along), dvec3(1.0)}, glm::normalize(dvec3(vec3(n))), r, e, l, 0.01).x;
+        const double want =
+            reference::lobeTowards({dvec3(along), dvec3(1.0)}, glm::normalize(dvec3(vec3(n))), r, e, l, 0.01).x;
         const shared::FrameKernels::Lobe lobe{along, vec3(1.0f)};
         const double got = code().lobeTowards(lobe, vec3(n), r, vec3(eye), vec3(light), 0.01f).x;
         worst = std::max(worst, std::abs(got - want) / want);
@@ -118,7 +119,7 @@ TEST(Lobe, AndReflectedRaysShareTheLightOfEmitters) {
         const Picture picture = Stage(scene).onCpu(square(16, 1024));
         double sum = 0.0;
         for (const vec3& c : picture.radiance) sum += c.x;
-        EXPECT_NEAR(sum / 256.0, 1.0, 0.06) << material.metallic << ' ' << material.roughness;
+        EXPECT_NEAR(sum / 256.0, 1.0, 0.03) << material.metallic << ' ' << material.roughness;
     }
 }
 
@@ -132,7 +133,8 @@ TEST(Lobe, OfRoughMetalIsSeenInLightFromEverywhere) {
 
 // ---- Shadows on smooth surfaces ----------------------------------------------------------------------------------------
 
-// A ball of few facets, lit from aside, is as bright everywhere as its normals say: no facet shades its neighbour, or itself.
+// A ball of few facets, lit from aside, is as bright everywhere as its normals say: no facet shades its neighbour, or
+// itself.
 TEST(ShadowTerminator, FollowsTheNormalsNotTheFacets) {
     for (const float scale : {1.0f, 1e-3f, 1e4f}) {
         Scene scene;

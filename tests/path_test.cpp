@@ -65,8 +65,8 @@ protected:
 // Devices give the CPU's bits: see below.
 INSTANTIATE_TEST_SUITE_P(, Paths, testing::Values("cpu", "reference"), testName);
 
-// In light of radiance 1 from everywhere all that keeps energy looks like 1, however often light goes to and fro; to the
-// last bit or so, as every way out weighs what it is chosen by.
+// In light of radiance 1 from everywhere all that keeps energy looks like 1, however often light goes to and fro; without
+// noise, as every way out weighs what it is chosen by.
 TEST_P(Paths, InAFurnaceAreOneWhateverTheMaterial) {
     for (const Material& material : {matte(vec3(1.0f)), metal(vec3(1.0f)), glass(1.5f), glass(1.0f)})
         for (const bool isTrue : {false, true}) {
@@ -84,13 +84,18 @@ TEST_P(Paths, InAFurnaceAreOneWhateverTheMaterial) {
 
 // The same in the light of a picture, which is drawn from as well.
 TEST_P(Paths, InTheLightOfAnEvenEnvironmentAreOneOnTheAverage) {
-    for (const Material& material : {matte(vec3(1.0f)), metal(vec3(1.0f)), glass(1.5f)}) {
+    for (const Material& material :
+         {matte(vec3(1.0f)), metal(vec3(1.0f)), metal(vec3(1.0f), 0.3f), metal(vec3(1.0f), 0.6f), glass(1.5f)}) {
         Scene scene;
         addTrueSphere(scene, vec3(0.0f), 1.0f, material);
         addQuad(scene, {-3, -1.2f, 3}, {6, 0, 0}, {0, 0, -6}, matte(vec3(1.0f)));
         scene.cameras.push_back(lookAt({0, 0.3f, 4}, {0, 0, 0}));
         scene.environment = makeEnvironment(8, std::vector<vec3>(64, vec3(1.0f)));
-        expectMean(meansOf(scene, paths(12, 4, 100)), 1.0, 0.02);
+        const Sample mean = meansOf(scene, paths(12, 4, 100));
+        if (material.roughness == 0.3f || material.roughness == 0.6f)
+            EXPECT_NEAR(mean.mean, 1.0, 0.033) << "as good as the lobe's albedo is fitted; roughness " << material.roughness;
+        else
+            expectMean(mean, 1.0, 0.02);
     }
 }
 
@@ -105,7 +110,7 @@ TEST_P(Paths, InAGlowingBoxSumTheGeometricSeries) {
 }
 
 // A sphere is no light to draw from: so there is no noise either, and the series ends at the depth.
-TEST_P(Paths, InAGlowingSphereSumTheGeometricSeriesToTheBit) {
+TEST_P(Paths, InAGlowingSphereSumTheGeometricSeriesWithoutNoise) {
     for (const uint32_t depth : {0u, 3u, 20u, 64u}) {
         Scene scene;
         const float albedo = 0.75f;
@@ -279,9 +284,9 @@ TEST(PathPicture, IsTheReferences) {
         Image image(40, 40);
         image.pixels = picture.radiance;
         const PictureComparison got = compareToReference(image, expected);
-        EXPECT_LT(got.outsideTies.rmse, 1e-3);
+        EXPECT_LT(got.outsideTies.rmse, 5e-5);
         EXPECT_EQ(got.outsideTies.nan, 0u);
-        EXPECT_LT(got.ties, 40u * 40u / 3);
+        EXPECT_LT(got.ties, 40u * 40u / 10);
         EXPECT_FALSE(got.blank);
         size_t others = 0;
         for (size_t i = 0; i < picture.discarded.size(); ++i)

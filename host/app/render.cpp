@@ -49,20 +49,20 @@ bool isWanted(const Options& options, Aov aov) {
     return options.view == aov || std::ranges::find(options.aovs, aov) != options.aovs.end();
 }
 
-FrameOptions frameOptionsOf(const Options& options, Clock::time_point start, Setup& setup) {
-    FrameOptions frame = frameOptions(options, setup.scene, usualSamples);
-    setIntegrator(options, setup, frame);
-    setSampling(options, setup.scene, start, frame);
-    frame.keepsLevels = isWanted(options, Aov::level);
-    frame.countsCosts = isWanted(options, Aov::cost);
-    return frame;
-}
-
 /// What light shows is left out where another view is wanted and nothing else is known from it.
 bool needsPicture(const Options& options) {
     return !options.view || std::ranges::any_of(aovTypes(), [&](const AovType& type) {
         return type.isOfPicture && isWanted(options, type.aov);
     });
+}
+
+FrameOptions frameOptionsOf(const Options& options, Clock::time_point start, Setup& setup) {
+    FrameOptions frame = frameOptions(options, setup.scene, usualSamples);
+    setIntegrator(options, setup, frame);
+    if (needsPicture(options)) setSampling(options, setup.scene, start, frame);
+    frame.keepsLevels = isWanted(options, Aov::level);
+    frame.countsCosts = isWanted(options, Aov::cost);
+    return frame;
 }
 
 Picture makePicture(const Setup& setup, FrameOptions frame, Primary primary) {

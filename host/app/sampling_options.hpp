@@ -15,8 +15,10 @@ namespace raig {
 /// Adds --adaptive and --time. They throw usageError for what is no tolerance, or no time.
 void addSamplingOptions(CLI::App& command, Options& options);
 
-/// Adds --filter, of `compare`, too.
+/// Adds --filter. It throws usageError for what is none.
 void addFilterOption(CLI::App& command, Options& options);
+
+/// As --filter has it.
 std::string_view nameOf(Filter filter);
 
 /// The lines of --help that tell what these options do to each other.
@@ -28,8 +30,8 @@ void checkSamplingOptions(const Options& options);
 /// Samples a pixel where nothing else is said.
 constexpr uint32_t usualSamples = 4;
 
-/// Puts what is asked for into `frame`, whose samples are --spp or usualSamples. Time counts from `start` on. Where nothing is
-/// asked for, and so few samples would leave noise (soft light, a lens), there are more, where they are needed.
+/// Puts what is asked for into `frame`, whose samples are --spp or usualSamples. Time counts from `start` on. Where nothing
+/// is asked for, and so few samples would leave noise (soft light, a lens), there are more, where they are needed.
 void setSampling(const Options& options, const Scene& scene, std::chrono::steady_clock::time_point start,
                  FrameOptions& frame);
 

@@ -170,6 +170,8 @@ public:
                          {"unsettled", picture.statistics.unsettled}};
         addPrimaries(picture, frame, measures);
         compare(picture, expected, referenceSamples == 1 && frame.samples == 1, measures);
+        if (frame.integrator == Integrator::whitted)
+            compareToBound(picture, expected, referenceSamples == 1 && frame.samples == 1, measures);
         const reference::Picture deep =
             stage_->renderReference(frame.integrator, depthSide, 1, seed, frame.maxDepth, frame.minContribution, 0);
         measures["mean_depth"] = meanOf(deep.depth);
@@ -275,6 +277,11 @@ private:
                          {"flip_max", d.flipMax},
                          {"ties", leavesOutTies ? found.ties : 0},
                          {"nan", found.everywhere.nan}});
+    }
+
+    /// Errors against what discarded weight allows.
+    static void compareToBound(const Picture& picture, const reference::Picture& expected, bool leavesOutTies,
+                               Json& measures) {
         const double brightest = *std::max_element(expected.brightest.begin(), expected.brightest.end());
         double sum = 0.0, most = 0.0, boundSum = 0.0, boundMost = 0.0, discardedSum = 0.0, discardedMost = 0.0;
         uint64_t beyond = 0, compared = 0;

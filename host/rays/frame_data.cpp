@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 
 namespace raig {
 
@@ -85,14 +86,16 @@ void packMedia(Packer& packer, FrameData& data) {
     for (const Medium& medium : data.media.media) packer.append(packed(medium.absorption, medium.ior));
 }
 
-/// One over the sum of the emitters' areas, each times the luminance of its material's emission; 0 if there are none.
+/// One over the sum of the emitters' areas, each times the luminance of its material's emission, as far as floats go; 0 if
+/// there are none.
 float emitterScale(const Scene& scene, const Geometry& geometry, const std::vector<Emitter>& emitters) {
     double sum = 0.0;
     for (const Emitter& emitter : emitters) {
         const uint32_t material = geometry.materials[geometry.storedTriangle(geometry.place(emitter.triangle))];
         sum += double{emitter.area} * glm::dot(dvec3(0.2126, 0.7152, 0.0722), dvec3(scene.materials[material].emission));
     }
-    return emitters.empty() ? 0.0f : static_cast<float>(1.0 / sum);
+    using Limits = std::numeric_limits<float>;
+    return emitters.empty() ? 0.0f : static_cast<float>(std::clamp(1.0 / sum, double{Limits::min()}, double{Limits::max()}));
 }
 
 void packLights(const Scene& scene, const Geometry& geometry, Packer& packer, FrameData& data) {

@@ -112,7 +112,8 @@ public:
 
     double run(FrameKernel kernel, const TileStep& step) override {
         if (kernel == FrameKernel::begin && hints_) hints_->beginTile(step, params_.samples);
-        if (kernel == FrameKernel::begin || kernel == FrameKernel::resume) isHinted_ = hints_ && kernel == FrameKernel::begin;
+        if (kernel == FrameKernel::begin || kernel == FrameKernel::resume)
+            isHinted_ = hints_ && kernel == FrameKernel::begin;
         if (kernel != FrameKernel::pass) listAt_ = kernel == FrameKernel::gather ? step.nextAt : step.listAt;
         if (kernel == FrameKernel::gather || (kernel == FrameKernel::pass && step.listAt == 0)) commands_.fill(count_, 0);
         commands_.dispatch(*kernels_[static_cast<size_t>(kernel)], {.x = (step.count + groupSize - 1) / groupSize}, step);
@@ -204,11 +205,12 @@ private:
 };
 
 /// Slots that the device's memory and limits have room for.
-uint64_t mostSlots(const Device& device, const FrameData& data) {
+uint64_t mostSlots(const Device& device, const FrameData& data, bool isHinted) {
     constexpr uint64_t tileBytes = uint64_t{256} << 20;
     const SlotBytes bytes = slotBytes(data);
     const DeviceLimits& limits = device.info().limits;
-    return std::min({tileBytes / bytes.all, limits.storageBufferBytes / bytes.largest,
+    const uint64_t hints = isHinted ? HINTS_A_RAY * sizeof(uvec2) : 0;
+    return std::min({tileBytes / (bytes.all + hints), limits.storageBufferBytes / bytes.largest,
                      uint64_t{limits.workgroupCount[0]} * groupSize,
                      uint64_t{0xffffffffu} / std::max(1u, data.params.shadowRays)});
 }
@@ -271,7 +273,8 @@ Picture DeviceFrame::render(const FrameOptions& options, const FrameProgress& pr
     setView(state.scene, state.geometry, withMargin(options), state.data);
     takeOptions(options, state.data);
     state.specialize(options.tolerance > 0.0 || options.deadline, options.itemsOf != nullptr);
-    state.data.params.slots = chooseSlots(options.tilePixels, mostSlots(state.device, state.data), state.data);
+    state.data.params.slots =
+        chooseSlots(options.tilePixels, mostSlots(state.device, state.data, options.itemsOf != nullptr), state.data);
     std::optional<Hints> hints;
     if (options.itemsOf)
         hints.emplace(state.device, state.itemsOf(*options.itemsOf), *state.kernels[hintKernel], state.commands,

@@ -25,7 +25,7 @@ struct Media {
         Box box;
     };
     std::vector<Volume> volumes;  ///< of known media; empty unless `nests`
-    uint32_t openMaterials = 0;  ///< whose media are unknown, as a surface is not closed, or there are too many; where it matters
+    uint32_t openMaterials = 0;  ///< without a known medium, where that matters: not closed, or too many
 };
 
 /// Finds them.

@@ -14,7 +14,8 @@ bool canReach(const SurfacePoint& p, const dvec3& direction);
 /// (which emitter), 2 + 3 key (where on it) and 2^30 + key (which point).
 ///
 /// Requires  at least one emitter.
-/// Ensures   the mean over samples is the irradiance of all emitters together, as arrivingFromEmitters().
+/// Ensures   the mean over samples is the irradiance of all emitters together, as arrivingFromEmitters(). No light if none
+///           of the points lights p.
 /// Source    Talbot, Cline and Egbert 2005, "Importance Resampling for Global Illumination".
 Arriving drawnFromEmitters(const World& world, const SurfacePoint& p, const SampleId& id, uint32_t key, uint32_t seed,
                            uint32_t candidates);

@@ -53,13 +53,13 @@ dvec3 mirroredDirection(const dvec3& n, double a, const dvec3& eye, const dvec2&
     const double within = glm::dot(disk, disk), z = 1.0 - within * (1.0 + stretched.z);
     const double aside = within > 0.0 ? std::sqrt(std::max(0.0, 1.0 - z * z) / within) : 0.0;
     const dvec3 h = dvec3(aside * disk, z) + stretched;
-    const dvec3 facet(a * h.x, a * h.y, std::max(0.0, h.z));
-    if (facet == dvec3(0.0)) return n;
+    dvec3 facet(a * h.x, a * h.y, std::max(0.0, h.z));
+    if (facet == dvec3(0.0)) facet.z = 1.0;
     return glm::normalize(aboutNormal(n, reflect(-seen, glm::normalize(facet))));
 }
 
 double mirroredDensity(const dvec3& n, double a, const dvec3& eye, const dvec3& light) {
-    constexpr double pi = 3.14159265358979323846;
+    using std::numbers::pi;
     const double nv = std::max(glm::dot(n, eye), 1.0 / 1024.0), nh = glm::dot(n, glm::normalize(eye + light));
     const double d = a * a / (pi * std::pow(nh * nh * (a * a - 1.0) + 1.0, 2.0));
     const double g1 = 2.0 / (1.0 + std::sqrt(1.0 + a * a * (1.0 / (nv * nv) - 1.0)));

@@ -23,8 +23,8 @@ struct Lobe {
 };
 
 /// The lobe of a surface whose mirrors alone would reflect the share `albedo` of light from everywhere: of metal and of
-/// dielectric each gains 1 + f0 (1 - albedo) / albedo, as light does that goes from mirror to mirror [Turquin 2019, "Practical
-/// Multiple Scattering Compensation for Microfacet Models"]; both weighted by metallic.
+/// dielectric each gains 1 + f0 (1 - albedo) / albedo, as light does that goes from mirror to mirror [Turquin 2019,
+/// "Practical Multiple Scattering Compensation for Microfacet Models"]; both weighted by metallic.
 Lobe lobeOf(const LocalSurface& surface, double albedo);
 
 /// Radiance towards `eye` per irradiance from direction `light` (unit, on the side of unit normal n): D G F / (4 (n.l)

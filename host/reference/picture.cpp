@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <numbers>
 
 namespace raig::reference {
 

@@ -32,7 +32,7 @@ struct Picture {
     std::vector<dvec3> radiance;
     std::vector<double> discarded;    ///< the weight of the rays not followed, a pixel
     std::vector<double> sensitivity;  ///< the largest change of a channel under the roundings
-    std::vector<double> brightest;    ///< the largest radiance along a pixel's mirrored and transmitted rays
+    std::vector<double> brightest;    ///< largest radiance along a pixel's mirrored and transmitted rays; 0 but of whitted
     std::vector<double> depth;        ///< of the deepest ray that was followed, the mean over a pixel's samples
 };
 

@@ -53,11 +53,11 @@ struct Radiance {
 /// A child ray is followed if its depth is at most maxDepth and the largest component of its weight, the product of
 /// reflectances and transmittances so far, is at least minContribution.
 ///
-/// Random numbers come from reference/sampling.hpp; dimensions 1 + 3 k and 2 + 3 k (emitters), and 2^31 + 2 k
-/// and the next (environment), belong to the ray of key k, whose
-/// mirrored child has key 2 k + 1 and whose transmitted one 2 k + 2. Cost: up to 2^(maxDepth + 1) rays, fewer by
-/// minContribution. Source: Whitted 1980, "An Improved Illumination Model for Shaded Display"; Hall and Greenberg 1983, "A
-/// Testbed for Realistic Image Synthesis" (adaptive depth).
+/// Random numbers come from reference/sampling.hpp; dimensions 1 + 3 k, 2 + 3 k and 2^30 + k (emitters: four points are
+/// drawn and one is asked), and 2^31 + 2 k and the next (environment), belong to the ray of key k, whose mirrored child has
+/// key 2 k + 1 and whose transmitted one 2 k + 2. Cost: up to 2^(maxDepth + 1) rays, fewer by minContribution. Source:
+/// Whitted 1980, "An Improved Illumination Model for Shaded Display"; Hall and Greenberg 1983, "A Testbed for Realistic
+/// Image Synthesis" (adaptive depth).
 Radiance traceRay(const World& world, const Ray& ray, const Bounds& bounds, const SampleId& id);
 
 }  // namespace raig::reference

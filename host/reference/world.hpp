@@ -76,9 +76,9 @@ struct SurfacePoint {
 ///
 /// A texture's square (reference/texture.hpp) is as wide as the ray's ellipse on the triangle is long, `width` over the
 /// cosine, in texture coordinates by the triangle's areas in these and in the world.
-/// lift is zero where a vertex has no normal. Else the point is brought into the plane across the normal at each vertex if
-/// it lies below it; the lift goes to the mean of these three points, unless that lies below the face [Hanika 2021, "Hacking
-/// the Shadow Terminator"].
+/// lift is zero where the geometry has no normals, and a vertex without one adds nothing to it. Else the point is brought
+/// into the plane across the normal at each vertex if it lies below it; the lift goes to the mean of these three points,
+/// unless that lies below the face [Hanika 2021, "Hacking the Shadow Terminator"].
 SurfacePoint surfaceAt(const World& world, const Ray& ray, const Hit& hit, double width);
 
 /// The coverage of what is hit, textures unfiltered: alpha, times the base colour texture's and the vertices' where it

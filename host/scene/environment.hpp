@@ -19,7 +19,7 @@ struct Environment {
     /// Shares of a whole: of each texel in its row, and of each row, as far as the one and all before it.
     static constexpr uint32_t whole = 1u << 24;
 
-    uint32_t side = 0;              ///< texels; even, so that none lies on both sides of the octahedron's equator by its edges
+    uint32_t side = 0;              ///< texels; even: none lies on both sides of the octahedron's equator by its edges
     std::vector<vec3> texels;       ///< radiance, all over the texel; row by row of v, along u
     std::vector<uint32_t> columns;  ///< of each texel; all 0 in rows without light
     std::vector<uint32_t> rows;     ///< of each row; all 0 if there is no light at all

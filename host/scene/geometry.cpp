@@ -56,7 +56,8 @@ void transformVertices(const Mesh& mesh, const dmat4& toWorld, size_t first, Geo
             geometry.positions[first + i] = placePoint(placement, mesh.positions[i]);
             if (!mesh.normals.empty()) geometry.normals[first + i] = placeNormal(normalPlacement, mesh.normals[i]);
             if (!mesh.tangents.empty())
-                geometry.tangents[first + i] = vec4(placeTangent(placement, mesh.tangents[i]), handedness * mesh.tangents[i].w);
+                geometry.tangents[first + i] =
+                    vec4(placeTangent(placement, mesh.tangents[i]), handedness * mesh.tangents[i].w);
             if (!mesh.uvs.empty()) geometry.uvs[first + i] = mesh.uvs[i];
             if (!mesh.moreUvs.empty()) geometry.moreUvs[first + i] = mesh.moreUvs[i];
             if (!mesh.colors.empty()) geometry.colors[first + i] = mesh.colors[i];

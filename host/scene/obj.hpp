@@ -11,11 +11,11 @@
 ///     mirror    illum 3, 5 or 8 with Ks > 0: baseColor Kd + Ks (at most 1) and metallic Y(Ks) / Y(Kd + Ks), Y the
 ///               luminance, so that surfaceOf gives back a mirror of about Ks and a diffuse part of about Kd; roughness
 ///               sqrt(2 / (Ns + 2)), 0 without Ns: what a ray is traced for is meant to be sharp
-///     shine     illum 2 and others with Ks > 0 and Ns: baseColor Kd; a lobe as wide as Phong's, roughness^2 = sqrt(2 / (Ns +
-///               2)) [Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces"], but roughness at least
-///               0.5, as exporters write a highlight for nearly everything, and few of those are mirrors; and the index of
-///               what reflects 0.08 Y(Ks) along its normal, as Phong's lobes have no energy to go by, and exporters write 0.5
-///               for what reflects 0.04
+///     shine     illum 2 and others with Ks > 0 and Ns: baseColor Kd; a lobe as wide as Phong's, roughness^2 = sqrt(2 / (Ns
+///               + 2)) [Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces"], but roughness at
+///               least 0.5, as exporters write a highlight for nearly everything, and few of those are mirrors; and the
+///               index of what reflects 0.08 Y(Ks) along its normal, as Phong's lobes have no energy to go by, and exporters
+///               write 0.5 for what reflects 0.04
 ///     the rest  baseColor Kd, diffuse (roughness 1)
 /// emission is Ke; map_Kd multiplies Kd, its options skipped but for -clamp. Kd is 0.8 where it is not given, 1 under a map.
 #pragma once

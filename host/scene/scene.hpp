@@ -66,8 +66,8 @@ struct Sphere {
 };
 
 /// Triangles in file order, then spheres in file order: so a mesh's primitives are numbered. `normals`, `tangents`, `uvs`,
-/// `moreUvs`, `colors` and `alphas` are empty or have one entry a vertex. Every index is in range; normals are unit length or
-/// zero, and so are tangents, whose w is 1 or -1; no promise is made about positions and spheres (they may be NaN).
+/// `moreUvs`, `colors` and `alphas` are empty or have one entry a vertex. Every index is in range; normals are unit length
+/// or zero, and so are tangents, whose w is 1 or -1; no promise is made about positions and spheres (they may be NaN).
 struct Mesh {
     std::string name;
     std::vector<vec3> positions;

@@ -31,17 +31,17 @@ struct Surface {
 ///     transmission = (1 - metallic) transmission baseColor
 ///     absorption   = -ln(attenuationColor) / attenuationDistance                      (not where thin)
 /// What an opaque surface mirrors and the reflected ray does not bring is a lobe about that ray, see shaders/lobe.glsl. Of a
-/// dielectric it fades from roughness 1/2 on: at 1 it is so wide that it counts as diffuse. A surface that lets light through is
-/// as smooth as a window, whatever its roughness. Alpha is not in here: it says how much of the surface there is.
+/// dielectric it fades from roughness 1/2 on: at 1 it is so wide that it counts as diffuse. A surface that lets light
+/// through is as smooth as a window, whatever its roughness. Alpha is not in here: it says how much of the surface there is.
 Surface surfaceOf(const Material& material);
 
-/// True if rays may pass straight through a surface of that material, as its alpha, or where it varies that of its texture or
-/// of any vertex, may be less than 1. Not where it blends and lets light through by itself: then alpha does not count.
+/// True if rays may pass straight through a surface of that material, as its alpha, or where it varies that of its texture
+/// or of any vertex, may be less than 1. Not where it blends and lets light through by itself: then alpha does not count.
 /// O(texels).
 bool mayLetPass(const Scene& scene, const Material& material);
 
-/// From which alpha on a surface that is cut out is there; 0 if it blends. A little less than the cutoff, as much as alpha may
-/// be off by rounding, which texels of 8 bits do not tell apart: texels of 102/255 are seen where the cutoff is 0.4.
+/// From which alpha on a surface that is cut out is there; 0 if it blends. A little less than the cutoff, as much as alpha
+/// may be off by rounding, which texels of 8 bits do not tell apart: texels of 102/255 are seen where the cutoff is 0.4.
 float leastAlpha(const Material& material);
 
 /// The share of light along the normal that a dielectric of that index reflects in air.

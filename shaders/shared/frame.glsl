@@ -1,7 +1,7 @@
 // A picture in the making, as it lies in memory on both sides of the border.
 //
 // A frame is rendered in tiles. Each pixel of a tile has a slot, which follows one ray at a time: first the camera ray of
-// each sample, then, depth first, the reflected and transmitted rays below it.
+// each sample, then, depth first, the reflected and transmitted rays below it; or, one after the other, those of a path.
 #ifndef RAIG_SHARED_FRAME
 #define RAIG_SHARED_FRAME
 
@@ -14,7 +14,7 @@ struct FrameParams {
     vec3 right;
     uint orthographic;       // 1 or 0
     vec3 up;
-    float minContribution;   // MIN_CONTRIB: a ray of less weight is not followed
+    float minContribution;   // MIN_CONTRIB: a ray of less weight is not followed; but see roulette
     vec3 zenith;
     uint width;              // of the picture, in pixels
     vec3 horizon;
@@ -27,7 +27,7 @@ struct FrameParams {
     uint slots;              // that there is memory for: the distance between entries of a slot
     uint lightCount;         // point, spot and directional lights
     uint emitterCount;       // triangles that emit light
-    uint shadowRays;         // of one shading point: one a light, and one each for the emitters and the environment if there are any
+    uint shadowRays;         // of one shading point: one a light, the emitters, the environment, as far as there are any
     uint materialsAt;        // where in the scene's data these begin, in elements
     uint lightsAt;
     uint emittersAt;
@@ -70,8 +70,8 @@ struct TileStep {
 CONSTANT uint MOST_PASSES = 64u;
 
 // The width a of a lobe (shaders/lobe.glsl) is at least this for lights without size, whose images in smooth surfaces no
-// samples would find otherwise, and for emitters and the environment, which are asked at one point at random: what is left of
-// their image beside the reflected ray's is blurred so far.
+// samples would find otherwise, and for emitters and the environment, which are asked at one point at random: what is left
+// of their image beside the reflected ray's is blurred so far.
 CONSTANT float LEAST_SPREAD = 0.01f;
 CONSTANT float LEAST_SAMPLED_SPREAD = 0.0625f;
 
@@ -89,7 +89,7 @@ struct PathState {
     float discarded;     // greatest components of the weights of the rays that were not followed, summed
     uint pixel;          // y * width + x
     uint sampleIndex;
-    uint key;            // the ray's place in the tree of rays: 0, children 2k + 1 and 2k + 2
+    uint key;            // the ray's place in the tree of rays: 0, children 2k + 1 and 2k + 2; in a path, 0, 1, 2 ...
     uint pendingCount;   // rays of this sample yet to be followed
     uint shadowRays;     // asked for so far, in all samples
     uint deepest;        // depth reached, in all samples
@@ -125,7 +125,8 @@ struct PixelResult {
     uint forgotten;
 };
 
-// What the ray through a pixel's centre meets first. Where it meets nothing depth is infinite, the ids are NO_HIT, all else 0.
+// What the ray through a pixel's centre meets first. Where it meets nothing depth is infinite, the ids are NO_HIT, all else
+// 0.
 struct PrimaryHit {
     vec3 position;   // in the world
     float depth;     // along the ray, whose direction is unit length
@@ -192,7 +193,8 @@ CONSTANT uint FEATURE_AO = 1u << 30u;
 //
 // A material is MATERIAL_STRIDE: base colour, metallic | emission, roughness | absorption, ior | transmission, alpha,
 // reflectance along the normal by ior, flags | textures of base colour, roughness, normal, emission (or NO_TEXTURE) |
-// texture of occlusion, its strength, the normal texture's scale, medium | alpha from which on it is there, 0 if it blends, 0, 0, 0.
+// texture of occlusion, its strength, the normal texture's scale, medium | alpha from which on it is there, 0 if it blends,
+// 0, 0, 0.
 CONSTANT uint MATERIAL_STRIDE = 7u;
 CONSTANT uint TEXTURE_STRIDE = 3u;
 CONSTANT uint FRAME_INSTANCE_STRIDE = 6u;
