@@ -99,6 +99,14 @@ TEST(Economy, LeavesOutWhatOnlyUnusedMaterialsAskFor) {
     EXPECT_EQ(economyOf(scene).instructions, plain.instructions);
 }
 
+TEST(Economy, LeavesOutWhatAnIntegratorHasNoUseFor) {
+    const Scene scene = box();
+    const Geometry geometry = flatten(scene);
+    const uint32_t whitted = measureEconomy(scene, geometry).instructions;
+    EXPECT_LT(measureEconomy(scene, geometry, Integrator::ao).instructions, whitted) << "no light, no materials";
+    EXPECT_GT(measureEconomy(scene, geometry, Integrator::path).instructions, whitted) << "directions are drawn";
+}
+
 TEST(Economy, KeepsOnceWhatIsRepeated) {
     Scene scene = box();
     scene.images.push_back({8, 8, std::vector<uint8_t>(256, 255)});

@@ -214,8 +214,9 @@ nlohmann::ordered_json primaryOf(const Options& options, const FrameStatistics& 
 }
 
 /// What was not modelled, and not traced.
-void describeSavings(const Setup& setup, const Picture& picture) {
-    for (const std::string& line : describe(measureEconomy(setup.scene, setup.geometry))) log::note("economy: {}", line);
+void describeSavings(const Setup& setup, Integrator integrator, const Picture& picture) {
+    for (const std::string& line : describe(measureEconomy(setup.scene, setup.geometry, integrator)))
+        log::note("economy: {}", line);
     const FrameStatistics& s = picture.statistics;
     if (s.spared > 0)
         log::note("economy: {} shadow rays of {} were not traced, as nothing was met, or they could have added nothing",
@@ -252,7 +253,7 @@ nlohmann::ordered_json renderOne(Options& options, Clock::time_point start, Setu
 
     const Discarded discarded = measureDiscarded(picture);
     if (needsPicture(options)) describe(picture, frame, discarded);
-    if (options.verbose && needsPicture(options)) describeSavings(setup, picture);
+    if (options.verbose && needsPicture(options)) describeSavings(setup, frame.integrator, picture);
     if (view.range)
         log::note("view: {} from {:.6g} to {:.6g}", typeOf(*options.view).name, view.range->first, view.range->second);
     if (frame.integrator == Integrator::ao) options.aoDistance = frame.reach;

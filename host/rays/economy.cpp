@@ -95,8 +95,9 @@ std::string inMiB(uint64_t bytes) { return fmt::format("{:.2f} MiB", double(byte
 
 }  // namespace
 
-Economy measureEconomy(const Scene& scene, const Geometry& geometry) {
-    const FrameData data = packFrame(scene, geometry);
+Economy measureEconomy(const Scene& scene, const Geometry& geometry, Integrator integrator) {
+    FrameData data = packFrame(scene, geometry);
+    takeOptions({.integrator = integrator}, data);
     Economy economy;
     economy.instructions = instructionsWith(data.features);
     economy.allInstructions = instructionsWith(data.features | allFeatures());

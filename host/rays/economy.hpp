@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/geometry.hpp"
+#include "scene/integrator.hpp"
 
 #include <cstdint>
 #include <string>
@@ -15,7 +16,7 @@ struct LeftOut {
     uint32_t instructions;  ///< SPIR-V instructions that the frame's kernels would have in addition
 };
 
-/// Kernels are counted as a device gets them: specialized by what the scene has, without a lens.
+/// Kernels are counted as a device gets them: specialized by what the scene has and by the integrator, without a lens.
 struct Economy {
     std::vector<std::string> used;
     std::vector<LeftOut> leftOut;
@@ -32,7 +33,7 @@ struct Economy {
 
 /// Requires  geometry == flatten(scene), or gatherInstances(scene).
 /// Cost      that of packing the scene's data, and some 20 specializations of kernels, 10 ms each; no device is asked.
-Economy measureEconomy(const Scene& scene, const Geometry& geometry);
+Economy measureEconomy(const Scene& scene, const Geometry& geometry, Integrator integrator = Integrator::whitted);
 
 /// As lines to be read, without the ends of lines.
 std::vector<std::string> describe(const Economy& economy);
