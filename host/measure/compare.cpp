@@ -78,19 +78,47 @@ bool passesBy(const Geometry& geometry, const Ray& floats, const reference::Hit&
            distanceTo(geometry, at(nearest.t), oracle.primitive) <= positionTolerance(geometry, floats, oracle.primitive);
 }
 
-/// True if the point that the device names lies on its triangle and on the oracle's, within the tolerance: at a shared
-/// vertex a triangle seen edge-on is met exactly only farther on.
-bool meetsBoth(const Geometry& geometry, const Ray& ray, const reference::Hit& oracle, const Hit& device) {
+/// True if the point that the device names lies on the triangle, within the tolerance.
+bool isOn(const Geometry& geometry, const Ray& ray, const Hit& device, uint32_t triangle) {
     const dvec3 point = dvec3(ray.origin) + double{device.t} * dvec3(ray.direction);
-    const auto isOn = [&](uint32_t triangle) {
-        return distanceTo(geometry, point, triangle) <= positionTolerance(geometry, ray, triangle);
-    };
-    return isOn(device.primitive) && isOn(oracle.primitive);
+    return distanceTo(geometry, point, triangle) <= positionTolerance(geometry, ray, triangle);
 }
 
-/// True if a ray moved sideways by no more than `tolerance` sees `triangle` (noTriangle: nothing). 16 directions at 4
-/// distances: around a vertex, each triangle of the fan is seen from a wedge only.
-bool nearbyRaySees(const reference::Tree& tree, const reference::Ray& ray, uint32_t triangle, double tolerance) {
+/// True if it lies on the device's triangle and on the oracle's: at a shared vertex a triangle seen edge-on is met exactly
+/// only farther on.
+bool meetsBoth(const Geometry& geometry, const Ray& ray, const reference::Hit& oracle, const Hit& device) {
+    return isOn(geometry, ray, device, device.primitive) && isOn(geometry, ray, device, oracle.primitive);
+}
+
+/// True if another triangle has the edge from p to q, corner for corner. O(triangles).
+bool isShared(const Geometry& geometry, uint32_t triangle, const vec3& p, const vec3& q) {
+    for (uint32_t id = 0; id < geometry.triangleCount(); ++id) {
+        if (id == triangle || geometry.isSphere(id)) continue;
+        const Geometry::Corners k = geometry.corners(geometry.place(id));
+        const auto has = [&](const vec3& corner) { return corner == k.a || corner == k.b || corner == k.c; };
+        if (has(p) && has(q)) return true;
+    }
+    return false;
+}
+
+/// True if the ray passes within the tolerance of an edge of the triangle that no other has.
+bool passesOpenEdge(const Geometry& geometry, const Ray& ray, uint32_t triangle) {
+    if (geometry.isSphere(triangle)) return false;
+    const Geometry::Corners k = geometry.corners(geometry.place(triangle));
+    const double tolerance = positionTolerance(geometry, ray, triangle);
+    for (const auto& [p, q] : {std::pair(k.a, k.b), std::pair(k.b, k.c), std::pair(k.c, k.a)})
+        if (reference::approach(widen(ray), p, q, q).distance <= tolerance && !isShared(geometry, triangle, p, q))
+            return true;
+    return false;
+}
+
+/// True if a ray moved sideways by no more than `tolerance` sees the device's triangle (none: nothing), or what the ray
+/// itself meets within the tolerances where that is: around a vertex, each triangle of the fan is seen from a wedge only,
+/// which may be thinner than what lies between the directions that are tried, 16 at 4 distances.
+bool nearbyRaySees(const reference::Tree& tree, const Ray& floats, const Hit& device, double tolerance) {
+    const uint32_t triangle = device.primitive;
+    const reference::Ray ray = widen(floats);
+    const bool isThere = triangle != noTriangle && isOn(tree.geometry(), floats, device, triangle);
     const dvec3 d = glm::normalize(ray.direction);
     const dvec3 aside = std::abs(d.x) < 0.5 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 right = glm::normalize(glm::cross(d, aside)), up = glm::cross(right, d);
@@ -99,7 +127,9 @@ bool nearbyRaySees(const reference::Tree& tree, const reference::Ray& ray, uint3
             const double angle = 0.39269908169872415 * i;
             reference::Ray moved = ray;
             moved.origin += distance * (std::cos(angle) * right + std::sin(angle) * up);
-            if (tree.closest(moved).primitive == triangle) return true;
+            const reference::Hit seen = tree.closest(moved);
+            if (seen.primitive == triangle) return true;
+            if (isThere && seen.primitive != noTriangle && passesBy(tree.geometry(), floats, seen, triangle)) return true;
         }
     return false;
 }
@@ -156,7 +186,13 @@ HitClass classifyHit(const reference::Tree& tree, const Ray& ray, const referenc
     if (oracle.primitive == noTriangle || (device.primitive != NO_HIT && device.t <= oracle.t)) return fault;
     if (device.primitive != NO_HIT && meetsBoth(geometry, ray, oracle, device)) return HitClass::tie;
     const double tolerance = positionTolerance(geometry, ray, oracle.primitive);
-    return nearbyRaySees(tree, wide, device.primitive, tolerance) ? HitClass::tie : fault;
+    if (nearbyRaySees(tree, ray, device, tolerance)) return HitClass::tie;
+    if (!passesOpenEdge(geometry, ray, oracle.primitive)) return fault;
+    const reference::Hit without = tree.closest(wide, oracle.primitive);
+    if (device.primitive == NO_HIT) return without.primitive == noTriangle ? HitClass::tie : fault;
+    const bool isRight = isOn(geometry, ray, device, device.primitive) && without.primitive != noTriangle &&
+                         passesBy(geometry, ray, without, device.primitive);
+    return isRight ? HitClass::tie : fault;
 }
 
 Spread spreadOf(std::vector<double> values) {

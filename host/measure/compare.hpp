@@ -39,12 +39,15 @@ double positionTolerance(const Geometry& geometry, const Ray& ray, uint32_t id);
 ///     be with its triangle moved by its d along its normal, or where the oracle's triangle is within its d too (a shared
 ///     edge, duplicates); or
 ///   - one of 64 rays moved sideways by up to the d of the oracle's primitive gets the device's answer from the reference,
-///     be it nothing or a triangle farther away (a silhouette). A hole in a closed surface is no tie: no ray nearby sees
-///     through it.
+///     be it nothing or a triangle farther away (a silhouette), or another triangle there that makes that a tie by the first
+///     rule. A hole in a closed surface is no tie: no ray nearby sees through it; or
+///   - the ray passes within d of an edge of the oracle's triangle that no other triangle has, corner for corner, and the
+///     answer would be right, or a tie by the first rule, without that triangle: surfaces that only lie side by side have
+///     cracks, wherever rounding puts them.
 /// `same` says nothing of t: compareHits measures that.
 ///
 /// Requires  oracle == tree.closest(widen(ray)). `device` may be anything.
-/// Cost      O(1) for same; else up to 64 closest hits.
+/// Cost      O(1) for same; else up to 64 closest hits, and O(triangles) where all else fails.
 HitClass classifyHit(const reference::Tree& tree, const Ray& ray, const reference::Hit& oracle, const Hit& device);
 
 /// Median, 99th percentile (nearest rank) and maximum; all 0 of no values.
