@@ -272,6 +272,7 @@ void addCompare(CLI::App& app, Options& options) {
                    "  raig compare scene.glb --integrator ao --spp 4\n"
                    "  raig compare a.png b.png -o difference.png --json\n"
                    "  raig compare out.exr reference.exr --fail-above flip_mean=0.01 --fail-below psnr=40\n"
+                   "Without --spp a scene gets one sample a pixel.\n"
                    "Files are taken as light: PNG is decoded from sRGB, alpha is left out. max, rmse and relmse are of\n"
                    "light; psnr, ssim and flip of what a screen shows, sRGB from 0 to 1, whatever the files.\n"
                    "Exits with 1 if a metric breaks its bound. A scene's own bounds, where none is given: missed, phantom,\n"

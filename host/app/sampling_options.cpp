@@ -36,7 +36,8 @@ const char* const samplingHelp =
     "other integrators than whitted) or a lens blurs, as by --adaptive 0.03 --spp 64.\n"
     "--time: the best picture within so many seconds, from the start on: with as many samples as go into it, up to\n"
     "--spp (default: 65536), and those where they are needed if --adaptive is given. How many depends on the machine; the\n"
-    "file and --json say it, and --spp with that number gives the same picture, to the last bit.\n";
+    "file and --json say it, and --spp with that number gives the same picture, to the last bit. One sample a pixel is\n"
+    "taken, however long that lasts; with --frames it is the time of each picture.\n";
 
 std::string_view nameOf(Filter filter) {
     return filterNames[static_cast<size_t>(filter)];

@@ -204,7 +204,8 @@ void addCamera(Scene& scene) {
 /// so that places no light reaches directly can be told from nothing.
 constexpr float faintAmbient = 0.03f;
 
-const char* const noLight = "no light: a headlight along the camera, a sky and some ambient light are used";
+const char* const noLight =
+    "no light: a headlight along the camera, a sky and some ambient light are used (by path without the ambient light)";
 const char* const noEnvironment = "no environment: ";  // how the remark begins
 
 /// The sky where the file has none, so that mirrors and glass have something to show. It goes with a sun whose irradiance is
@@ -236,16 +237,17 @@ void addEnvironment(Scene& scene) {
     scene.ambient = vec3(faintAmbient);
     const double sun = sunlight(scene);
     if (!(sun > 0.0)) {
-        scene.remarks.push_back(fmt::format("{}a faint ambient light ({}) is used", noEnvironment, faintAmbient));
+        scene.remarks.push_back(
+            fmt::format("{}a faint ambient light ({}) is used (not by path)", noEnvironment, faintAmbient));
         return;
     }
     const auto scale = static_cast<float>(sun / std::numbers::pi);
     scene.sky = {scale * daySky.zenith, scale * daySky.horizon, scale * daySky.ground};
     scene.ambient *= scale;
     scene.lights.push_back(headlightOf(scene, std::numbers::pi * scene.ambient.x));
-    scene.remarks.push_back(
-        fmt::format("{}a sky that goes with the sun, a faint ambient light ({:.3g}) and a headlight as faint are used",
-                    noEnvironment, scene.ambient.x));
+    scene.remarks.push_back(fmt::format(
+        "{}a sky that goes with the sun, a faint ambient light ({:.3g}, not by path) and a headlight as faint are used",
+        noEnvironment, scene.ambient.x));
 }
 
 /// A directional light whose irradiance of pi makes a white diffuse surface that faces it exactly 1 bright, and a sky.

@@ -78,6 +78,9 @@ UvSource MaterialReader::add(size_t index) {
         material.alpha = fraction(pbr.baseColorFactor[3], pbrPointer + "/baseColorFactor");
         material.alphaVaries = true;
     }
+    if (source.alphaMode != "OPAQUE" && source.alphaMode != "BLEND" && source.alphaMode != "MASK" &&
+        !source.alphaMode.empty())
+        remarks_.add("an alphaMode that glTF does not know is taken for OPAQUE, first at " + pointer + "/alphaMode");
     // A cutoff of 0 leaves everything.
     if (source.alphaMode == "MASK") {
         material.alphaCutoff = amount(source.alphaCutoff, pointer + "/alphaCutoff");
