@@ -134,7 +134,7 @@ TEST(StressFailures, ExitWithOneWhereAPictureIsWrong) {
     const Outcome outcome = run(quick(folder, {52}), makers);
     EXPECT_EQ(outcome.exitCode, 1);
     // With K 0.5 at depths 15 and 30 what is discarded is less than rounding: there only the bits tell.
-    EXPECT_EQ(faultsOf(outcome.json, 52, "octree", "wrong"), 40u);
+    EXPECT_EQ(faultsOf(outcome.json, 52, "octree", "wrong"), 256u);
     EXPECT_EQ(faultsOf(outcome.json, 52, "octree", "forbidden"), faultsOf(outcome.json, 52, "octree", "rays"));
     EXPECT_EQ(faultsOf(outcome.json, 52, "brute", "wrong"), 0u);
 }
