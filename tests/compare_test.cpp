@@ -114,6 +114,29 @@ TEST(CompareHits, ASharedVertexBelongsToEachOfItsTriangles) {
     EXPECT_EQ(judge.judge(ray, {1.001f, 1.0f, 0.0f, 0}), HitClass::wrong);
 }
 
+// Two triangles that lie side by side without sharing corners, as in a wall whose neighbour ends half-way: a ray at that
+// edge may pass between them in floats. Where they share both corners it may not.
+TEST(CompareHits, ACrackBetweenOpenEdgesIsATie) {
+    const Ray ray{{19.5471687f, 12.1418629f, 22.0943356f}, 0.0f, {-7.54716873f, -10.1418629f, -22.778883f}, 3.4e38f};
+    for (const bool shares : {false, true}) {
+        Scene scene;
+        scene.materials.resize(1);
+        scene.instances.emplace_back();
+        Mesh& mesh = scene.meshes.emplace_back();
+        const float end = shares ? 2.0f : 1.99999952f;
+        mesh.positions = {{12, 2.7f, -10}, {12, 2, 0},     {12, end, -10}, {12, 2, shares ? -10.0f : -1.205f},
+                          {12, 0.8f, 0},   {11, -50, -50}, {11, 50, -50},  {11, 0, 80}};
+        mesh.triangles = {{0, 1, 2}, {3, 1, 4}, {5, 6, 7}};
+        mesh.materials.resize(3, 0);
+        const Judge judge(scene);
+        ASSERT_LT(judge.truth(ray).primitive, 2u);
+        const float behind = (11.0f - ray.origin.x) / ray.direction.x;
+        EXPECT_EQ(judge.judge(ray, {behind, 0.3f, 0.3f, 2}), shares ? HitClass::wrong : HitClass::tie);
+        EXPECT_EQ(judge.judge(ray, {0.0f, 0.0f, 0.0f, NO_HIT}), HitClass::missed) << "there is a wall behind";
+        EXPECT_EQ(judge.judge(ray, {1.01f * behind, 0.3f, 0.3f, 2}), HitClass::wrong);
+    }
+}
+
 // A tracer that names the right triangle at a wrong distance is not right.
 TEST(CompareHits, AWrongDistanceToTheRightTriangleShows) {
     const Judge judge(floors(4));

@@ -188,7 +188,10 @@ HitClass classifyHit(const reference::Tree& tree, const Ray& ray, const referenc
     const double tolerance = positionTolerance(geometry, ray, oracle.primitive);
     if (nearbyRaySees(tree, ray, device, tolerance)) return HitClass::tie;
     if (!passesOpenEdge(geometry, ray, oracle.primitive)) return fault;
-    const reference::Hit without = tree.closest(wide, oracle.primitive);
+    // Those on both sides of a crack may be met.
+    reference::Hit without = tree.closest(wide, oracle.primitive);
+    if (without.primitive != noTriangle && passesOpenEdge(geometry, ray, without.primitive))
+        without = tree.closest(wide, oracle.primitive, without.primitive);
     if (device.primitive == NO_HIT) return without.primitive == noTriangle ? HitClass::tie : fault;
     const bool isRight = isOn(geometry, ray, device, device.primitive) && without.primitive != noTriangle &&
                          passesBy(geometry, ray, without, device.primitive);

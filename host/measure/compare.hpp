@@ -42,8 +42,8 @@ double positionTolerance(const Geometry& geometry, const Ray& ray, uint32_t id);
 ///     be it nothing or a triangle farther away (a silhouette), or another triangle there that makes that a tie by the first
 ///     rule. A hole in a closed surface is no tie: no ray nearby sees through it; or
 ///   - the ray passes within d of an edge of the oracle's triangle that no other triangle has, corner for corner, and the
-///     answer would be right, or a tie by the first rule, without that triangle: surfaces that only lie side by side have
-///     cracks, wherever rounding puts them.
+///     answer would be right, or a tie by the first rule, without that triangle, and without another one like it behind:
+///     surfaces that only lie side by side have cracks, wherever rounding puts them.
 /// `same` says nothing of t: compareHits measures that.
 ///
 /// Requires  oracle == tree.closest(widen(ray)). `device` may be anything.

@@ -171,9 +171,9 @@ void Tree::hit(Search& search, uint32_t level, size_t position) const {
         hit(search, level + 1, 2 * position + (rightFirst ? 0 : 1));
 }
 
-Hit Tree::closest(const Ray& ray, uint32_t leaving) const {
+Hit Tree::closest(const Ray& ray, uint32_t leaving, uint32_t another) const {
     if (order_.empty() || !isUsable(ray)) return {};
-    Search search(ray, leaving, noTriangle, /* anyHit= */ false, {});
+    Search search(ray, leaving, another, /* anyHit= */ false, {});
     if (std::isfinite(search.enter(boxes_[0]))) hit(search, 0, 0);
     return search.best.primitive == noTriangle ? Hit{} : search.best;
 }

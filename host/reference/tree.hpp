@@ -33,10 +33,10 @@ public:
     /// Cost O(n log n) in parallel; some 20 bytes a triangle to keep, 36 while building.
     explicit Tree(const Geometry& geometry);
 
-    /// The closest hit with t in [ray.tMin, ray.tMax]; the lowest id among equal t. Triangle `leaving` is passed over; a
-    /// sphere is not, as a ray in it meets it again: so it must be left from its own side.
+    /// The closest hit with t in [ray.tMin, ray.tMax]; the lowest id among equal t. Triangles `leaving` and `another` are
+    /// passed over; a sphere is not, as a ray in it meets it again: so it must be left from its own side.
     /// An unusable ray hits nothing.
-    Hit closest(const Ray& ray, uint32_t leaving = noTriangle) const;
+    Hit closest(const Ray& ray, uint32_t leaving = noTriangle, uint32_t another = noTriangle) const;
 
     /// True if the ray meets a triangle whose material is not marked in `seeThrough` (one entry a material; empty: none is),
     /// other than `leaving` and `arriving`.
