@@ -118,7 +118,6 @@ TEST(Media, OfSurfacesThatAreOpenInsideOutOrApartAreNotAskedFor) {
     EXPECT_EQ(findMedia(inside, flatten(inside)).openMaterials, 1u);
 }
 
-// What an absorbing ball of glass holds is seen through it; a ball beside it changes nothing.
 TEST(Media, BeyondTheFirst255AreUnknownAndCounted) {
     Scene scene = whiteSky();
     for (int i = 0; i < 300; ++i) addSphere(scene, vec3(0), 1.0f + 0.01f * i, 4, false, glass(1.1f + 0.001f * i));
@@ -128,6 +127,7 @@ TEST(Media, BeyondTheFirst255AreUnknownAndCounted) {
     EXPECT_EQ(std::ranges::count(media.ofMaterial, 0), 45);
 }
 
+// What an absorbing ball of glass holds is seen through it; a ball beside it changes nothing.
 TEST(Media, AreAbsorbedByWhereLightRunsNotByWhatItMeets) {
     Scene scene = whiteSky();
     scene.sky = {};

@@ -152,23 +152,8 @@ INSTANTIATE_TEST_SUITE_P(Devices, OcclusionOnDevice, testing::ValuesIn(devicesTo
 // Also by kept instances, in parts, where samples are needed, and after and before a picture by another integrator.
 TEST_P(OcclusionOnDevice, LooksAsOnTheCpuToTheBit) {
     Device device(info);
-    for (const bool keeps : {false, true}) {
-        const Stage stage = keeps ? Stage::kept(furnished()) : Stage(furnished());
-        const auto tracer = makeDeviceTracer(device, stage.structure);
-        DeviceFrame frame(device, stage.scene, stage.geometry, *tracer);
-        FrameOptions options = clay(32, 3, 2.0f);
-        EXPECT_EQ(bitsOf(frame.render(options)), bitsOf(stage.onCpu(options)));
-        const FrameOptions whitted = square(32, 1);
-        EXPECT_EQ(bitsOf(frame.render(whitted)), bitsOf(stage.onCpu(whitted)));
-        options.tilePixels = 100;
-        options.countsCosts = true;
-        const Picture got = frame.render(options), want = stage.onCpu(options);
-        EXPECT_EQ(bitsOf(got), bitsOf(want));
-        EXPECT_EQ(got.costs, want.costs);
-        options.tolerance = 0.1;
-        options.samples = 32;
-        EXPECT_EQ(bitsOf(frame.render(options)), bitsOf(stage.onCpu(options)));
-    }
+    for (const bool keeps : {false, true})
+        expectTheCpusBits(device, keeps ? Stage::kept(furnished()) : Stage(furnished()), clay(32, 3, 2.0f));
 }
 
 }  // namespace

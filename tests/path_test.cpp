@@ -301,24 +301,9 @@ INSTANTIATE_TEST_SUITE_P(Devices, PathOnDevice, testing::ValuesIn(devicesToTest(
 // Also by kept instances, in small tiles, where samples are needed, and between pictures by other integrators.
 TEST_P(PathOnDevice, LooksAsOnTheCpuToTheBit) {
     Device device(info);
-    for (const bool keeps : {false, true}) {
-        const Stage stage = keeps ? Stage::kept(furnished(true)) : Stage(furnished(false));
-        const auto tracer = makeDeviceTracer(device, stage.structure);
-        DeviceFrame frame(device, stage.scene, stage.geometry, *tracer);
-        FrameOptions options = paths(32, 3, 6, 1.0f / 512.0f);
-        EXPECT_EQ(bitsOf(frame.render(options)), bitsOf(stage.onCpu(options)));
-        const FrameOptions whitted = square(32, 1);
-        EXPECT_EQ(bitsOf(frame.render(whitted)), bitsOf(stage.onCpu(whitted)));
-        options.tilePixels = 100;
-        options.countsCosts = true;
-        const Picture got = frame.render(options), want = stage.onCpu(options);
-        EXPECT_EQ(bitsOf(got), bitsOf(want));
-        EXPECT_EQ(got.costs, want.costs);
-        options.countsCosts = false;
-        options.tolerance = 0.1;
-        options.samples = 32;
-        EXPECT_EQ(bitsOf(frame.render(options)), bitsOf(stage.onCpu(options)));
-    }
+    for (const bool keeps : {false, true})
+        expectTheCpusBits(device, keeps ? Stage::kept(furnished(true)) : Stage(furnished(false)),
+                          paths(32, 3, 6, 1.0f / 512.0f));
 }
 
 }  // namespace

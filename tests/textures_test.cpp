@@ -4,6 +4,7 @@
 #include "reference/picture.hpp"
 #include "support/devices.hpp"
 #include "support/rendering.hpp"
+#include "support/ways.hpp"
 
 #include <gtest/gtest.h>
 
@@ -128,22 +129,7 @@ Scene texturedScene() {
 }
 
 TEST(Textures, OfEveryKindAreThoseOfTheReference) {
-    const Stage stage(texturedScene());
-    const Picture got = stage.onCpu(square(64, 2, 4));
-    const reference::World world(stage.scene, stage.geometry);
-    reference::PictureOptions options;
-    options.width = options.height = 64;
-    options.samples = options.roundings = 2;
-    options.bounds = {.maxDepth = 4, .minContribution = 0.0f};
-    const reference::Picture want = reference::render(world, options);
-    size_t compared = 0;
-    for (size_t i = 0; i < got.radiance.size(); ++i) {
-        if (!(want.sensitivity[i] < 1e-4)) continue;
-        ++compared;
-        for (int k = 0; k < 3; ++k)
-            ASSERT_NEAR(got.radiance[i][k], want.radiance[i][k], 2e-4 * std::max(1.0, want.radiance[i][k])) << "pixel " << i;
-    }
-    EXPECT_GT(compared, got.radiance.size() * 3 / 4);
+    expectTheReferences(Stage(texturedScene()), 64, 4);
 }
 
 TEST(Textures, AreTheSameWithInstancesKeptAsWithAllWrittenOut) {

@@ -254,8 +254,8 @@ nlohmann::ordered_json renderOne(Options& options, Clock::time_point start, Setu
     const Discarded discarded = measureDiscarded(picture);
     if (needsPicture(options)) describe(picture, frame, discarded);
     if (options.seconds && picture.statistics.seconds > 1.5 * *options.seconds)
-        log::warn("--time {}: the picture took {:.1f} s, as the fewest samples do that it can have", *options.seconds,
-                  picture.statistics.seconds);
+        log::warn("--time {}: the picture took {:.1f} s; it has {} samples a pixel, and one at least", *options.seconds,
+                  picture.statistics.seconds, frame.samples);
     if (options.verbose && needsPicture(options)) describeSavings(setup, frame.integrator, picture);
     if (view.range)
         log::note("view: {} from {:.6g} to {:.6g}", typeOf(*options.view).name, view.range->first, view.range->second);

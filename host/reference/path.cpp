@@ -1,6 +1,7 @@
 #include "reference/path.hpp"
 
 #include "reference/directions.hpp"
+#include "reference/emitters.hpp"
 #include "reference/environment.hpp"
 #include "reference/sampling.hpp"
 #include "reference/scattering.hpp"
@@ -16,10 +17,6 @@ namespace {
 
 constexpr double leastSpread = 0.001f;      // of a lobe that is drawn from
 constexpr double leastLightSpread = 0.01;   // of what it mirrors of lights without size
-
-double largest(const dvec3& v) {
-    return std::max({v.x, v.y, v.z});
-}
 
 /// The share of what is found with one density and might have been with another.
 double balanced(double density, double other) {
@@ -159,10 +156,8 @@ private:
             const double a = std::max(p.surface.roughness * p.surface.roughness, leastSpread);
             const dvec3 way = isRough ? mirroredDirection(n, a, eye, square) : cosineDirection(n, square);
             density_ = densityOf(p, c, eye, way);
-            const bool isAbove = glm::dot(p.normal, way) > 0.0;
-            const bool canLeave = glm::dot(p.smoothNormal, way) > 0.0 && (isAbove || p.lift != dvec3(0.0));
-            if (!canLeave || glm::dot(n, way) <= 0.0 || density_ == 0.0) return false;
-            if (!isAbove) leaving_ = noTriangle;  // it starts above the triangle
+            if (!canReach(p, way) || glm::dot(n, way) <= 0.0 || density_ == 0.0) return false;
+            if (glm::dot(p.normal, way) <= 0.0) leaving_ = noTriangle;  // it starts above the triangle
             const dvec3 value = towards(p, s, eye, way, roughShare(p), leastSpread) * glm::dot(n, way);
             return goOn(p, p.position + p.lift, p.normal, way, weight_ * value / density_, passing.here, choice.y);
         }

@@ -5,7 +5,14 @@
 #include "reference/media.hpp"
 #include "reference/world.hpp"
 
+#include <algorithm>
+
 namespace raig::reference {
+
+/// The largest component: how much a weight may matter.
+inline double largest(const dvec3& v) {
+    return std::max({v.x, v.y, v.z});
+}
 
 /// What a ray passes from, and into, at a surface.
 struct Passing {

@@ -12,10 +12,6 @@ namespace raig::reference {
 
 namespace {
 
-double largest(const dvec3& v) {
-    return std::max({v.x, v.y, v.z});
-}
-
 /// One sample's recursion.
 class Recursion {
 public:

@@ -92,4 +92,40 @@ void expectMean(const Sample& sample, double want, double precision) {
     EXPECT_LT(t * sample.error, precision * want) << "the test could not tell";
 }
 
+void expectTheReferences(const Stage& stage, uint32_t side, uint32_t depth) {
+    const Picture got = stage.onCpu(square(side, 2, depth));
+    const reference::World world(stage.scene, stage.geometry);
+    reference::PictureOptions options;
+    options.width = options.height = side;
+    options.samples = options.roundings = 2;
+    options.bounds = {.maxDepth = depth, .minContribution = 0.0f};
+    const reference::Picture want = reference::render(world, options);
+    size_t compared = 0;
+    for (size_t i = 0; i < got.radiance.size(); ++i) {
+        if (!(want.sensitivity[i] < 1e-4)) continue;
+        ++compared;
+        for (int k = 0; k < 3; ++k)
+            ASSERT_NEAR(got.radiance[i][k], want.radiance[i][k], 2e-4 * std::max(1.0, want.radiance[i][k])) << "pixel " << i;
+        ASSERT_NEAR(got.discarded[i], want.discarded[i], 1e-4) << "pixel " << i;
+    }
+    EXPECT_GT(compared, got.radiance.size() * 3 / 4);
+}
+
+void expectTheCpusBits(Device& device, const Stage& stage, FrameOptions options) {
+    const auto tracer = makeDeviceTracer(device, stage.structure);
+    DeviceFrame frame(device, stage.scene, stage.geometry, *tracer);
+    EXPECT_EQ(bitsOf(frame.render(options)), bitsOf(stage.onCpu(options)));
+    const FrameOptions whitted = square(32, 1);
+    EXPECT_EQ(bitsOf(frame.render(whitted)), bitsOf(stage.onCpu(whitted)));
+    options.tilePixels = 100;
+    options.countsCosts = true;
+    const Picture got = frame.render(options), want = stage.onCpu(options);
+    EXPECT_EQ(bitsOf(got), bitsOf(want));
+    EXPECT_EQ(got.costs, want.costs);
+    options.countsCosts = false;
+    options.tolerance = 0.1;
+    options.samples = 32;
+    EXPECT_EQ(bitsOf(frame.render(options)), bitsOf(stage.onCpu(options)));
+}
+
 }  // namespace raig::test

@@ -47,4 +47,12 @@ Sample sampleOf(const std::vector<double>& values);
 /// test that could not tell is none.
 void expectMean(const Sample& sample, double want, double precision);
 
+/// Expects the picture on the processor, side x side, two samples a pixel, followed to `depth`, to be the reference's to
+/// 2e-4 and its discarded weight to 1e-4, in three of four pixels at least: those that rounding does not move.
+void expectTheReferences(const Stage& stage, uint32_t side, uint32_t depth);
+
+/// Expects pictures of the device to have the processor's bits: by `options`, by Whitted's integrator after them, then in
+/// small tiles with the costs of pixels, and where samples are needed.
+void expectTheCpusBits(Device& device, const Stage& stage, FrameOptions options);
+
 }  // namespace raig::test
