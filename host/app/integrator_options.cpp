@@ -51,33 +51,10 @@ void checkIntegratorOptions(const Options& options) {
         throw usageError("--ao-distance {}: is for --integrator ao", *options.aoDistance);
 }
 
-namespace {
-
-/// A quarter of the picture's height at the median distance of what is seen.
-float usualReach(Setup& setup, FrameOptions frame) {
-    frame.crop.reset();
-    frame.aperture = 0.0f;
-    frame.samples = 1;
-    frame.width = frame.height = 32;
-    const std::vector<Ray> rays = cameraRays(setup.scene, frame);
-    std::vector<Hit> hits(rays.size());
-    setup.tracer->trace(rays, hits, Query::closest);
-    std::erase_if(hits, [](const Hit& hit) { return hit.primitive == NO_HIT; });
-    if (hits.empty()) return INFINITY;
-    const auto middle = hits.begin() + static_cast<std::ptrdiff_t>(hits.size() / 2);
-    std::nth_element(hits.begin(), middle, hits.end(), [](const Hit& a, const Hit& b) { return a.t < b.t; });
-    const Camera& camera = setup.scene.cameras[frame.camera];
-    const double height = camera.orthographic ? 2.0 * camera.ymag : 2.0 * std::tan(0.5 * camera.yfov) * middle->t;
-    return static_cast<float>(0.25 * height);
-}
-
-}  // namespace
-
 void setIntegrator(const Options& options, Setup& setup, FrameOptions& frame) {
     frame.integrator = options.integrator;
     if (options.integrator != Integrator::ao) return;
-    const float reach = options.aoDistance ? *options.aoDistance : usualReach(setup, frame);
-    frame.reach = reach > 0.0f ? reach : INFINITY;
+    frame.reach = options.aoDistance ? *options.aoDistance : suitableReach(setup.scene, *setup.tracer, frame);
 }
 
 std::string integratorText(const FrameOptions& frame) {

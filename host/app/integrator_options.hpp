@@ -19,9 +19,8 @@ extern const char* const integratorHelp;
 /// Throws usageError for options of an integrator that was not asked for.
 void checkIntegratorOptions(const Options& options);
 
-/// Puts what is asked for into `frame`, whose camera is that of the picture. Ambient occlusion looks as far as is asked for;
-/// else as far as a quarter of the picture's height is at the median distance of what the camera sees, by 1024 rays. Where
-/// that is nothing it has no end.
+/// Puts what is asked for into `frame`, whose camera is that of the picture. Ambient occlusion looks as far as is asked for,
+/// else as suitableReach() says.
 void setIntegrator(const Options& options, Setup& setup, FrameOptions& frame);
 
 /// In words: "ambient occlusion up to 2.5".

@@ -36,6 +36,7 @@ public:
         } else {
             onCpu_ = makeCpuTracer(structure_);
         }
+        reach_ = suitableReach(scene.scene(), onDevice_ ? *onDevice_ : *onCpu_, {});
     }
 
     /// `draws`: camera rays are told what an item buffer shows. Throws limitError where nothing can be drawn.
@@ -70,11 +71,8 @@ public:
         return reference::render(scene_.world(), options);
     }
 
-    /// How far ambient occlusion looks: a quarter of the diagonal of the scene's box.
-    float reach() const {
-        const Box& box = scene_.geometry().bounds;
-        return box.empty() ? INFINITY : static_cast<float>(0.25 * glm::length(dvec3(box.hi) - dvec3(box.lo)));
-    }
+    /// How far ambient occlusion looks.
+    float reach() const { return reach_; }
 
 private:
     const ChartScene& scene_;
@@ -83,6 +81,7 @@ private:
     std::unique_ptr<DeviceTracer> onDevice_;
     std::unique_ptr<Tracer> onCpu_;
     std::unique_ptr<DeviceFrame> frame_;
+    float reach_ = INFINITY;
     std::map<std::tuple<Integrator, uint32_t, uint32_t, uint32_t>, reference::Picture> references_;
 };
 

@@ -7,6 +7,7 @@
 #include "rays/frame_tiles.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace raig {
@@ -294,6 +295,25 @@ std::vector<Ray> cameraRays(const Scene& scene, const FrameOptions& options, uin
         }
     });
     return rays;
+}
+
+float suitableReach(const Scene& scene, Tracer& tracer, FrameOptions options) {
+    options.crop.reset();
+    options.aperture = 0.0f;
+    options.samples = 1;
+    options.tolerance = 0.0;
+    options.width = options.height = 32;
+    const std::vector<Ray> rays = cameraRays(scene, options);
+    std::vector<Hit> hits(rays.size());
+    tracer.trace(rays, hits, Query::closest);
+    std::erase_if(hits, [](const Hit& hit) { return hit.primitive == NO_HIT; });
+    if (hits.empty()) return INFINITY;
+    const auto middle = hits.begin() + static_cast<std::ptrdiff_t>(hits.size() / 2);
+    std::nth_element(hits.begin(), middle, hits.end(), [](const Hit& a, const Hit& b) { return a.t < b.t; });
+    const Camera& camera = scene.cameras[options.camera];
+    const double height = camera.orthographic ? 2.0 * camera.ymag : 2.0 * std::tan(0.5 * camera.yfov) * middle->t;
+    const auto reach = static_cast<float>(0.25 * height);
+    return reach > 0.0f ? reach : INFINITY;
 }
 
 }  // namespace raig

@@ -150,4 +150,8 @@ Picture renderPicture(Device& device, const Scene& scene, const Geometry& geomet
 /// The camera rays of sample `sampleIndex` of every pixel that is rendered, row by row, as renderPicture traces them.
 std::vector<Ray> cameraRays(const Scene& scene, const FrameOptions& options, uint32_t sampleIndex = 0);
 
+/// How far ambient occlusion looks where nothing else is said: as far as a quarter of a square picture's height is at the
+/// median distance of what the camera of `options` sees, by 1024 rays; without end where that is nothing.
+float suitableReach(const Scene& scene, Tracer& tracer, FrameOptions options);
+
 }  // namespace raig
