@@ -83,6 +83,18 @@ TEST(PictureTask, FindsTheClosedFormOfFacingMirrors) {
     }
 }
 
+// What is cut off is no noise: between mirrors, which draw nothing at random, a reference with samples of its own is cut off
+// as well, and differs by rounding only.
+TEST(PictureTask, MeasuresNoiseAgainstAReferenceThatGoesAsDeep) {
+    const std::unique_ptr<Task> task = makeTask("picture", {});
+    ChartScenes scenes({});
+    const ChartScene& scene = scenes.open("mirrors-50");
+    Json settings = {{"max-depth", 2}, {"min-contribution", 0}, {"spp", 2}, {"side", 8}, {"repeat", 1}};
+    const double cutOff = task->run(&scene, settings)["rmse"].get<double>();
+    settings["reference-spp"] = 4;
+    EXPECT_LT(task->run(&scene, settings)["rmse"].get<double>(), 1e-4 * cutOff);
+}
+
 // With the reference's numbers the same picture, by every integrator; with others, one that differs by its noise.
 TEST(PictureTask, MeasuresEveryIntegratorAgainstItsOwnReference) {
     const std::unique_ptr<Task> task = makeTask("picture", {});

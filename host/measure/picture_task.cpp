@@ -46,27 +46,25 @@ public:
         return frame_ ? frame_->render(options) : renderPicture(scene_.scene(), scene_.geometry(), *onCpu_, options);
     }
 
-    /// As deep as rays matter, with `samples` a pixel; the latest few are kept.
-    const reference::Picture& reference(Integrator integrator, uint32_t side, uint32_t samples, uint32_t seed) {
-        const auto key = std::tuple(integrator, side, samples, seed);
+    /// With `samples` a pixel; the latest few are kept.
+    const reference::Picture& reference(Integrator integrator, uint32_t side, uint32_t samples,
+                                        const reference::Bounds& bounds) {
+        const auto key = std::tuple(integrator, side, samples, bounds.maxDepth, bounds.minContribution, bounds.seed);
         const auto known = references_.find(key);
         if (known != references_.end()) return known->second;
         // Pixels that rounding can change are found where each has one sample: then edges are not averaged.
-        // Paths have no bias however early they end by chance.
-        const double contribution = integrator == Integrator::path ? usual : unbounded;
         const uint32_t roundings = samples == 1 ? 4 : 0;
-        return references_.emplace(key, renderReference(integrator, side, samples, seed, deepest, contribution, roundings))
-            .first->second;
+        return references_.emplace(key, renderReference(integrator, side, samples, bounds, roundings)).first->second;
     }
 
-    reference::Picture renderReference(Integrator integrator, uint32_t side, uint32_t samples, uint32_t seed, uint32_t depth,
-                                       double contribution, uint32_t roundings) const {
+    reference::Picture renderReference(Integrator integrator, uint32_t side, uint32_t samples,
+                                       const reference::Bounds& bounds, uint32_t roundings) const {
         reference::PictureOptions options;
         options.integrator = integrator;
         options.reach = reach();
         options.width = options.height = side;
         options.samples = samples;
-        options.bounds = {depth, static_cast<float>(contribution), seed};
+        options.bounds = bounds;
         options.roundings = roundings;
         return reference::render(scene_.world(), options);
     }
@@ -82,7 +80,7 @@ private:
     std::unique_ptr<Tracer> onCpu_;
     std::unique_ptr<DeviceFrame> frame_;
     float reach_ = INFINITY;
-    std::map<std::tuple<Integrator, uint32_t, uint32_t, uint32_t>, reference::Picture> references_;
+    std::map<std::tuple<Integrator, uint32_t, uint32_t, uint32_t, float, uint32_t>, reference::Picture> references_;
 };
 
 double largest(const vec3& v) {
@@ -152,9 +150,9 @@ public:
         frame.seed = settings_.seed;
         frame.integrator = integratorOf(settings);
         frame.reach = stage_->reach();
-        // The noise of samples is measured against other ones; all else with the same, so that noise cancels.
-        const uint32_t seed = referenceSamples > 1 ? settings_.seed + 0x5eed : settings_.seed;
-        const reference::Picture& expected = stage_->reference(frame.integrator, side, referenceSamples, seed);
+        const bool comparesNoise = referenceSamples > 1;
+        const reference::Bounds bounds = referenceBounds(frame, comparesNoise);
+        const reference::Picture& expected = stage_->reference(frame.integrator, side, referenceSamples, bounds);
         draws_ = textOf(settings, "primary", "ray") == "raster";
         Picture picture;
         const double seconds = render(frame, static_cast<uint32_t>(numberOf(settings, "pictures", 1)),
@@ -168,11 +166,11 @@ public:
                          {"rays_per_pixel", (closest + shadow) / pixels},
                          {"unsettled", picture.statistics.unsettled}};
         addPrimaries(picture, frame, measures);
-        compare(picture, expected, referenceSamples == 1 && frame.samples == 1, measures);
+        compare(picture, expected, !comparesNoise && frame.samples == 1, measures);
         if (frame.integrator == Integrator::whitted)
-            compareToBound(picture, expected, referenceSamples == 1 && frame.samples == 1, measures);
-        const reference::Picture deep =
-            stage_->renderReference(frame.integrator, depthSide, 1, seed, frame.maxDepth, frame.minContribution, 0);
+            compareToBound(picture, expected, !comparesNoise && frame.samples == 1, measures);
+        const reference::Picture deep = stage_->renderReference(
+            frame.integrator, depthSide, 1, {frame.maxDepth, frame.minContribution, bounds.seed}, 0);
         measures["mean_depth"] = meanOf(deep.depth);
         if (scene->mirrorReflectance) compareToClosedForm(picture, *scene->mirrorReflectance, frame.maxDepth, measures);
         return measures;
@@ -212,6 +210,16 @@ public:
     }
 
 private:
+    /// How far the reference follows rays, and by which numbers. Noise is measured against other numbers, all else being the
+    /// picture's, so that nothing else differs. What bounds leave out is measured against rays that go on while they matter,
+    /// by the same numbers, so that noise cancels.
+    static reference::Bounds referenceBounds(const FrameOptions& frame, bool comparesNoise) {
+        if (comparesNoise) return {frame.maxDepth, frame.minContribution, frame.seed + 0x5eed};
+        // Paths have no bias however early they end by chance.
+        const double contribution = frame.integrator == Integrator::path ? usual : unbounded;
+        return {deepest, static_cast<float>(contribution), frame.seed};
+    }
+
     /// Of a pixel, on average.
     static double samplesOf(const Picture& picture, uint32_t ofEach) {
         double sum = 0.0;
