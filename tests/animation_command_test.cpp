@@ -127,5 +127,14 @@ TEST_F(AnimationCommand, WhatCannotBeIsRefusedInOneLine) {
     expectRefused({"info", scene, "--animation", "0"}, "at which moment");
 }
 
+// Nobody should wait for a hundred frames to learn that the last has no place.
+TEST_F(AnimationCommand, AFrameWithoutAPlaceIsToldOfBeforeTheFirst) {
+    std::filesystem::create_directory(folder.path / "out.0003.pfm");
+    const ProgramResult result = run({"render", scene, "-o", out, "--size", "8x8", "--frames", "2:3"});
+    EXPECT_EQ(result.exitCode, 3);
+    EXPECT_NE(result.errors.find("out.0003.pfm: cannot be written: it is a folder"), std::string::npos) << result.errors;
+    EXPECT_FALSE(std::filesystem::exists(folder.path / "out.0002.pfm"));
+}
+
 }  // namespace
 }  // namespace raig

@@ -326,6 +326,15 @@ TEST(CompareUsage, BoundsMustBeOfAMetricThatThereIs) {
     expectError({"a.png", "b.png", "--fail-above", "max=0", "--junit", "./b.png"}, 2, "would be read and replaced");
 }
 
+// Who says how a scene is rendered expects that it matters.
+TEST_F(ComparePictureFiles, TakeNoOptionsOfScenes) {
+    const std::string a = write("a.png", Image(3, 4));
+    for (const std::vector<std::string>& of : {std::vector<std::string>{"--spp", "4"}, {"--camera", "0"}, {"--accel", "bvh"},
+                                               {"--time-at", "1"}, {"--integrator", "path"}, {"--size", "3x4"}})
+        expectError({a, a, of[0], of[1]}, 2, of[0] + ": is of scenes");
+    EXPECT_EQ(compare({a, a, "--device", "cpu", "--threads", "1", "--quiet"}).exitCode, 0);
+}
+
 TEST_F(ComparePictureFiles, OfDifferentSizesAreRefused) {
     const std::string a = write("a.png", Image(3, 4)), b = write("b.exr", Image(4, 3));
     expectError({a, b}, 3, "only pictures of one size");

@@ -85,7 +85,9 @@ GltfAsset richAsset() {
     asset.json["extensions"] = {{"KHR_lights_punctual", {{"lights", {{{"type", "point"}, {"intensity", 2.5}}}}}}};
     asset.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.75}, {"znear", 0.125}}}}};
     asset.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.25, 0.125, 1}}}},
-                                {"extensions", {{"KHR_materials_ior", {{"ior", 1.5}}}}}}};
+                                {"extensions",
+                                 {{"KHR_materials_ior", {{"ior", 1.5}}},
+                                  {"KHR_materials_emissive_strength", {{"emissiveStrength", 2.0}}}}}}};
     const int positions = asset.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, "VEC3");
     asset.json["accessors"][positions]["sparse"] = {
         {"count", 2},
@@ -237,6 +239,8 @@ TEST(BadGltf, WhatIsBrokenIsNamed) {
         {"/extensions/KHR_lights_punctual/lights/0/type", "area\nlight", "area?light"},
         {"/nodes/1/extensions/KHR_lights_punctual/light", 1, "names light 1 of 1"},
         {"/materials/0/extensions/KHR_materials_ior/ior", -1, "#/materials/0/extensions/KHR_materials_ior/ior"},
+        {"/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength", -1,
+         "#/materials/0/extensions/KHR_materials_emissive_strength/emissiveStrength"},
         {"/scene", 1, "#/scene: names scene 1"},
         {"/asset/version", "1.0", "#/asset/version"},
     };

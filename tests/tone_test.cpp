@@ -207,6 +207,20 @@ TEST_F(ToneCommand, ShowsWhatWouldBeTooDarkOrTooBrightInPngsOnly) {
     }
 }
 
+TEST_F(ToneCommand, WarnsOfPicturesThatAreBlack) {
+    auto file = nlohmann::json::parse(std::ifstream(RAIG_SOURCE_DIR "/assets/cornell_box.gltf"));
+    for (auto& material : file["materials"]) material["pbrMetallicRoughness"]["baseColorFactor"] = {0, 0, 0, 1};
+    scene = folder.write("scene.gltf", file.dump()).string();
+    const std::vector<std::string> awayFromTheLamp = {"--eye", "278,400,-100", "--at", "278,0,0", "--quiet"};
+    for (std::vector<std::string> more : {std::vector<std::string>{}, {"--exposure", "auto"}}) {
+        more.insert(more.end(), awayFromTheLamp.begin(), awayFromTheLamp.end());
+        const ProgramResult black = render("black.png", more);
+        EXPECT_EQ(black.exitCode, 0);
+        EXPECT_NE(black.errors.find("black.png: the picture is black"), std::string::npos) << black.errors;
+    }
+    EXPECT_EQ(render("kept.pfm", awayFromTheLamp).errors, "") << "light as it is";
+}
+
 TEST_F(ToneCommand, RefusesCurvesWhereLightIsKeptAndWhatThereIsNot) {
     const auto expectRefused = [&](const std::string& file, const std::vector<std::string>& arguments,
                                    const std::string& mentions) {

@@ -77,6 +77,12 @@ void addCompareOptions(CLI::App& command, Options& options) {
         ->type_name("FILE");
 }
 
+void checkOptionsOfPictures(const CLI::App& command) {
+    for (const CLI::Option* option : command.get_options())
+        if (option->count() > 0 && option->get_group() == optionsOfScenes)
+            throw usageError("{}: is of scenes; two pictures are compared as they are", option->get_name());
+}
+
 void checkBoundsOfPictures(const Options& options) {
     for (const auto& [metric, limit] : options.bounds)
         if (metric->ofScenesOnly)

@@ -257,15 +257,19 @@ void addTrace(CLI::App& app, Options& options) {
 
 void addCompare(CLI::App& app, Options& options) {
     CLI::App& command = *app.add_subcommand("compare", "Compare the device with the reference, or two pictures");
-    command.callback([&options] { options.command = Command::compare; });
+    command.callback([&options, &command] {
+        options.command = Command::compare;
+        if (options.inputs.size() == 2) checkOptionsOfPictures(command);
+    });
     addInput(command, options, "first", "a scene, or a picture")->required();
     addInput(command, options, "second", "the picture to compare a picture with");
     addPictureFile(command, options, "the difference picture: .png, .hdr, .exr or .pfm", false);
     addCompareOptions(command, options);
+    addCommon(command, options);
+    command.option_defaults()->group(optionsOfScenes);
     addPicture(command, options, 256);
     addMomentOptions(command, options);
     addStructure(command, options);
-    addCommon(command, options);
     command.footer("Examples:\n"
                    "  raig compare scene.glb\n"
                    "  raig compare scene.glb --camera 1 --size 1024x1024 --crop 512,256,64,64\n"

@@ -65,7 +65,7 @@ double showLight(const Options& options, Image& image) {
         const std::optional<double> suitable = suitableStops(image);
         const bool isAsked = options.exposure == Exposure::suitable;
         const bool isNeeded = suitable && (*suitable >= tooDark || *suitable <= tooBright);
-        if (isAsked && !suitable) log::warn("--exposure auto: the picture is black, and stays so");
+        if (!suitable) log::warn("{}: the picture is black: no light comes from what is seen", options.output.string());
         stops = suitable && (isAsked || isNeeded) ? *suitable : 0.0;
         if (isAsked && suitable) log::note("exposure: {:+.2f} stops", stops);
         if (!isAsked && isNeeded)

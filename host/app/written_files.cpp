@@ -1,5 +1,6 @@
 #include "app/written_files.hpp"
 
+#include "app/animation_options.hpp"
 #include "app/aov_options.hpp"
 #include "base/error.hpp"
 
@@ -24,6 +25,11 @@ bool comesWith(const std::filesystem::path& folder, const std::filesystem::path&
     return std::mismatch(above.begin(), above.end(), below.begin(), below.end()).first == above.end();
 }
 
+void checkIsNoFolder(const std::filesystem::path& file) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(file, ignored)) throw inputError(file, "cannot be written: it is a folder");
+}
+
 /// `made`: a folder that the command makes before it writes; empty if it makes none.
 void checkFolderOf(const std::filesystem::path& file, const std::filesystem::path& made = {}) {
     if (file.empty()) return;
@@ -33,7 +39,7 @@ void checkFolderOf(const std::filesystem::path& file, const std::filesystem::pat
         if (comesWith(folder, made)) return;
         throw inputError(file, "cannot be written: there is no folder {}; make it first", folder.string());
     }
-    if (std::filesystem::is_directory(file, ignored)) throw inputError(file, "cannot be written: it is a folder");
+    checkIsNoFolder(file);
     // Files are replaced, which is for the folder to allow; devices are written to.
     const bool replaces = !std::filesystem::exists(file, ignored) || std::filesystem::is_regular_file(file, ignored);
     if (replaces && ::access(folder.c_str(), W_OK | X_OK) != 0)
@@ -71,6 +77,9 @@ void checkFilesDiffer(const Options& options) {
 void checkWrittenFiles(const Options& options) {
     checkFilesDiffer(options);
     checkFolderOf(options.output);
+    if (const auto& frames = options.frames)
+        for (uint32_t frame = frames->first; frame <= frames->last; ++frame)
+            checkIsNoFolder(fileOf(options.output, frame));
     for (const std::filesystem::path& file : aovFiles(options)) checkFolderOf(file);
     checkFolderOf(options.hits);
     checkFolderOf(options.saveStructure);

@@ -101,8 +101,10 @@ UvSource MaterialReader::add(size_t index) {
 void MaterialReader::readExtensions(const tinygltf::ExtensionMap& extensions, const std::string& pointer, Material& material,
                                     double& strength) {
     const std::string place = pointer + "/extensions/";
-    if (const auto* found = findExtension(extensions, "KHR_materials_emissive_strength"))
+    if (const auto* found = findExtension(extensions, "KHR_materials_emissive_strength")) {
         strength = numberIn(*found, "emissiveStrength", 1.0);
+        amount(strength, place + "KHR_materials_emissive_strength/emissiveStrength");  // throws
+    }
     if (const auto* found = findExtension(extensions, "KHR_materials_ior")) {
         material.ior = amount(numberIn(*found, "ior", 1.5), place + "KHR_materials_ior/ior");
         // The extension's mark for materials converted from specular-glossiness: not an index of anything.
