@@ -3,7 +3,7 @@
 #include "measure/compare.hpp"
 #include "reference/picture.hpp"
 #include "reference/world.hpp"
-#include "support/ways.hpp"
+#include "support/paths.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,18 +14,6 @@ namespace raig {
 namespace {
 
 using namespace test;
-
-FrameOptions paths(uint32_t side, uint32_t samples, uint32_t maxDepth = 8, float minContribution = 0.0f) {
-    FrameOptions options = square(side, samples, maxDepth, minContribution);
-    options.integrator = Integrator::path;
-    return options;
-}
-
-std::vector<double> greens(const std::vector<dvec3>& pixels) {
-    std::vector<double> values;
-    for (const dvec3& pixel : pixels) values.push_back(pixel.y);
-    return values;
-}
 
 /// A closed box of edge 2 around the origin, its faces inwards; the camera is within.
 Scene closedBox(const Material& material) {
@@ -48,20 +36,6 @@ Material greyGlow(float albedo, float emission) {
     return material;
 }
 
-class Paths : public ByEveryWay {
-protected:
-    std::vector<dvec3> render(const Scene& scene, const FrameOptions& options) const {
-        return WayOfScene(GetParam(), scene).render(options);
-    }
-    /// The mean of a picture for each of so many seeds: these are independent of each other, the pixels need not be.
-    Sample meansOf(const Scene& scene, FrameOptions options, uint32_t seeds = 32) const {
-        WayOfScene way(GetParam(), scene);
-        std::vector<double> means;
-        for (options.seed = 0; options.seed < seeds; ++options.seed)
-            means.push_back(sampleOf(greens(way.render(options))).mean);
-        return sampleOf(means);
-    }
-};
 // Devices give the CPU's bits: see below.
 INSTANTIATE_TEST_SUITE_P(, Paths, testing::Values("cpu", "reference"), testName);
 
@@ -119,22 +93,6 @@ TEST_P(Paths, InAGlowingSphereSumTheGeometricSeriesWithoutNoise) {
         const double want = 0.5 * (1.0 - std::pow(double{albedo}, depth + 1.0)) / (1.0 - albedo);
         for (const dvec3& pixel : render(scene, paths(6, 2, depth))) ASSERT_NEAR(pixel.x, want, 1e-5) << depth;
     }
-}
-
-/// A grey floor beside a lamp that stands on it, which is black otherwise: all light is direct.
-Scene lampOnFloor(float reflectance, float radiance) {
-    Scene scene;
-    addQuad(scene, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, matte(vec3(reflectance)));
-    addQuad(scene, {0, 0, 0}, {0, 1, 0}, {0, 0, 1}, glowing(vec3(radiance)));
-    Camera camera;
-    camera.orthographic = true;
-    camera.eye = {0.5f, 0.5f, 2};
-    camera.forward = {0, 0, -1};
-    camera.up = {0, 1, 0};
-    camera.right = {1, 0, 0};
-    camera.xmag = camera.ymag = 0.499f;
-    scene.cameras.push_back(camera);
-    return scene;
 }
 
 // Unit squares that share a side send each other 0.20004 of their light [Howell 2010, "A Catalog of Radiation Heat Transfer
