@@ -40,8 +40,8 @@ TEST_P(TexturedPaths, AreLitByAsMuchOfALampAsIsThere) {
     expectMean(meansOf(scene, paths(12, 32, 3)), 0.4 * whole, 0.03);
 }
 
-/// Before the lamp a black card of which half is cut out. Nothing blends: that takes other ways through the code than what is
-/// half there.
+/// Before the lamp a black card of which half is cut out. Nothing blends: that takes other ways through the code than what
+/// is half there.
 Scene lampBehindCard() {
     Scene scene = lampOnFloor(0.5f, 3.0f);
     Material card = matte(vec3(0.0f));
