@@ -1,10 +1,10 @@
 #include "app/animation_options.hpp"
 
+#include "app/option_parts.hpp"
 #include "base/error.hpp"
 
 #include <CLI/CLI.hpp>
 
-#include <charconv>
 #include <cmath>
 
 namespace raig {
@@ -12,14 +12,6 @@ namespace raig {
 namespace {
 
 constexpr uint32_t mostFrames = 999'999;
-
-template <class Number>
-std::optional<Number> numberOf(std::string_view text) {
-    Number value{};
-    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (fault != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-    return value;
-}
 
 }  // namespace
 
@@ -47,7 +39,8 @@ void addFrameOptions(CLI::App& command, Options& options) {
     const auto parseFrames = [&options](const std::string& text) {
         const size_t colon = text.find(':');
         const auto first = numberOf<uint32_t>(std::string_view(text).substr(0, colon));
-        const auto last = colon == text.npos ? std::nullopt : numberOf<uint32_t>(std::string_view(text).substr(colon + 1));
+        std::optional<uint32_t> last;
+        if (colon != text.npos) last = numberOf<uint32_t>(std::string_view(text).substr(colon + 1));
         if (!first || !last || *first > *last || *last > mostFrames)
             throw usageError("--frames {}: FIRST:LAST is wanted, whole numbers from 0 to {} in order", text, mostFrames);
         options.frames = FrameRange{*first, *last};

@@ -1,11 +1,11 @@
 #include "app/compare_options.hpp"
 
+#include "app/option_parts.hpp"
 #include "base/error.hpp"
 
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
-#include <charconv>
 #include <cmath>
 
 namespace raig {
@@ -13,10 +13,8 @@ namespace raig {
 namespace {
 
 std::optional<double> finiteNumber(std::string_view text) {
-    double value = 0.0;
-    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (fault != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-    return value;
+    const std::optional<double> value = numberOf<double>(text);
+    return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 /// "rmse=0.01". `option`: --fail-above or --fail-below, of which only one suits a metric.

@@ -1,5 +1,6 @@
 #include "app/environment_options.hpp"
 
+#include "app/option_parts.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "image/image.hpp"
@@ -8,7 +9,6 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 
@@ -17,11 +17,10 @@ namespace raig {
 namespace {
 
 double numberFrom(const char* option, const std::string& text, double least, double most) {
-    double value = 0.0;
-    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (fault != std::errc{} || end != text.data() + text.size() || !(value >= least && value <= most))
+    const std::optional<double> value = numberOf<double>(text);
+    if (!value || !(*value >= least && *value <= most))
         throw usageError("{} {}: a number from {:g} to {:g} is wanted", option, text, least, most);
-    return value;
+    return *value;
 }
 
 }  // namespace

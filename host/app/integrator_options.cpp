@@ -1,12 +1,12 @@
 #include "app/integrator_options.hpp"
 
+#include "app/option_parts.hpp"
 #include "base/error.hpp"
 
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 namespace raig {
@@ -32,11 +32,8 @@ void addIntegratorOptions(CLI::App& command, Options& options) {
             fmt::format("how light is followed: {} (default: whitted)", fmt::join(integratorNames, ", ")))
         ->type_name("NAME");
     const auto parseDistance = [&options](const std::string& text) {
-        double distance = 0.0;
-        const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), distance);
-        const bool isNumber = fault == std::errc{} && end == text.data() + text.size();
-        const auto rounded = static_cast<float>(distance);
-        if (!isNumber || !(rounded > 0.0f))
+        const auto rounded = static_cast<float>(numberOf<double>(text).value_or(0.0));
+        if (!(rounded > 0.0f))
             throw usageError("--ao-distance {}: a distance above 0 is wanted, in the scene's units, or inf", text);
         options.aoDistance = rounded;
     };

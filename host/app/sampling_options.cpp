@@ -1,5 +1,6 @@
 #include "app/sampling_options.hpp"
 
+#include "app/option_parts.hpp"
 #include "base/error.hpp"
 #include "rays/adaptive.hpp"
 #include "scene/import.hpp"
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 
 namespace raig {
 
@@ -57,24 +57,20 @@ void addFilterOption(CLI::App& command, Options& options) {
 
 void addSamplingOptions(CLI::App& command, Options& options) {
     const auto parse = [&options](const std::string& text) {
-        double tolerance = 0.0;
-        const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), tolerance);
-        const bool isNumber = fault == std::errc{} && end == text.data() + text.size();
-        if (!isNumber || !(tolerance > 0.0 && tolerance < INFINITY))
+        const std::optional<double> tolerance = numberOf<double>(text);
+        if (!tolerance || !(*tolerance > 0.0 && *tolerance < INFINITY))
             throw usageError("--adaptive {}: an error above 0 is wanted, in linear light, as 0.01", text);
-        options.tolerance = tolerance;
+        options.tolerance = *tolerance;
     };
     command
         .add_option_function<std::string>("--adaptive", parse,
                                           "samples where they are needed, until the error of pixels is below this")
         ->type_name("TOLERANCE");
     const auto parseTime = [&options](const std::string& text) {
-        double seconds = 0.0;
-        const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), seconds);
-        const bool isNumber = fault == std::errc{} && end == text.data() + text.size();
-        if (!isNumber || !(seconds > 0.0 && seconds <= 1e6))
+        const std::optional<double> seconds = numberOf<double>(text);
+        if (!seconds || !(*seconds > 0.0 && *seconds <= 1e6))
             throw usageError("--time {}: seconds above 0 are wanted, up to a million", text);
-        options.seconds = seconds;
+        options.seconds = *seconds;
     };
     command
         .add_option_function<std::string>("--time", parseTime, "the best picture within so many seconds, up to --spp")

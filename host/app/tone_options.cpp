@@ -1,12 +1,12 @@
 #include "app/tone_options.hpp"
 
+#include "app/option_parts.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
-#include <charconv>
 #include <cmath>
 
 namespace raig {
@@ -18,13 +18,11 @@ const char* const toneHelp =
 
 void addToneOptions(CLI::App& command, Options& options) {
     const auto parseExposure = [&options](const std::string& text) {
-        double stops = 0.0;
-        const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), stops);
-        const bool isNumber = fault == std::errc{} && end == text.data() + text.size();
-        if (text != "auto" && !(isNumber && std::abs(stops) <= 100.0))
+        const std::optional<double> stops = numberOf<double>(text);
+        if (text != "auto" && !(stops && std::abs(*stops) <= 100.0))
             throw usageError("--exposure {}: stops from -100 to 100 are wanted, or auto", text);
         options.exposure = text == "auto" ? Exposure::suitable : Exposure::stops;
-        options.stops = stops;
+        options.stops = stops.value_or(0.0);
     };
     command
         .add_option_function<std::string>(
