@@ -2,10 +2,10 @@
 //
 // Whoever includes this declares `frame`, scene_at(i) and FEATURES before it.
 //
-// A ray covers a square of `width` of texture coordinates (surface.glsl), which is x texels of the image. Each level of its
-// pyramid has half the texels of the one before, a side: what is looked up is bilinear in level e = floor(log2 x) and in the
-// next, and between them linear in x: continuous everywhere, and made of additions and multiplications only. Magnified
-// images (x <= 1) are bilinear, and what lies beyond the last level, of one texel, is that texel.
+// A ray covers a square of `width` of texture coordinates (texture_mapping.glsl), which is x texels of the image. Each level
+// of its pyramid has half the texels of the one before, a side: what is looked up is bilinear in level e = floor(log2 x) and
+// in the next, and between them linear in x: continuous everywhere, and made of additions and multiplications only.
+// Magnified images (x <= 1) are bilinear, and what lies beyond the last level, of one texel, is that texel.
 // Source: Williams 1983, "Pyramidal Parametrics" (levels, and between them); Akenine-Moeller et al. 2019, "Texture
 // Level-of-Detail Strategies for Real-Time Ray Tracing" (the square that a ray covers).
 
