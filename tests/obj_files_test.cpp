@@ -206,8 +206,8 @@ TEST(Mtl, FindsTheFileNameBehindTheOptions) {
         std::vector<std::string> remarks;
         const auto materials =
             readMtl("newmtl m\nmap_Kd " + std::string(options) + " dir\\my image.png \n", "m.mtl", remarks);
-        EXPECT_EQ(materials.at(0).kdMap, "dir/my image.png") << options;
-        EXPECT_EQ(materials.at(0).clampsKdMap, std::string_view(options) == "-clamp on");
+        EXPECT_EQ(materials.at(0).kdMap.file, "dir/my image.png") << options;
+        EXPECT_EQ(materials.at(0).kdMap.clamps, std::string_view(options) == "-clamp on");
     }
 }
 

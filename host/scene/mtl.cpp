@@ -1,22 +1,12 @@
-#include "base/error.hpp"
-#include "base/files.hpp"
-#include "scene/import.hpp"
-#include "scene/obj.hpp"
+#include "scene/mtl_maps.hpp"
 #include "scene/text.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <unordered_map>
 
 namespace raig {
 
 namespace {
-
-namespace fs = std::filesystem;
-
-constexpr size_t largestLibrary = size_t{256} << 20;
-constexpr size_t largestImageFile = size_t{256} << 20;
 
 float luminance(const vec3& c) {
     return glm::dot(c, vec3(0.2126f, 0.7152f, 0.0722f));
@@ -39,32 +29,47 @@ std::optional<vec3> readColor(text::Words& words) {
     return glm::max(vec3(*r, *g, *b), vec3(0.0f));
 }
 
-/// How many words follow a texture option; for -o, -s and -t one to three numbers.
+/// How many words follow a texture option at most; for -o, -s and -t one to three numbers.
 size_t optionArguments(std::string_view option) {
     if (option == "-mm") return 2;
     if (option == "-o" || option == "-s" || option == "-t") return 3;
     return 1;
 }
 
-/// The file name after the options, which may hold blanks.
-void readKdMap(std::string_view arguments, MtlMaterial& material) {
+/// Reads one option of a map and what follows it. False if a number that counts is malformed.
+bool readOption(text::Words& words, MtlMap& map) {
+    const std::string_view option = words.next();
+    vec2* pair = option == "-o" ? &map.offset : option == "-s" ? &map.scale : nullptr;
+    const size_t most = optionArguments(option);
+    for (size_t i = 0; i < most; ++i) {
+        text::Words ahead = words;
+        const std::string_view argument = ahead.next();
+        const auto number = text::parseFloat(argument);
+        if (most == 3 && i > 0 && !number) break;
+        if (option == "-clamp") map.clamps = argument == "on";
+        if (pair && !(number && std::isfinite(*number))) return false;
+        if (pair && i < 2) (*pair)[static_cast<int>(i)] = *number;
+        words = ahead;
+    }
+    return true;
+}
+
+/// The options, and the file name after them, which may hold blanks. False if the options' numbers are malformed.
+bool readMap(std::string_view arguments, MtlMap& map) {
+    MtlMap read;
     text::Words words(arguments);
     while (words.rest().starts_with('-')) {
         text::Words ahead = words;
         const std::string_view option = ahead.next();
         if (option.size() < 2 || text::parseFloat(option)) break;
-        const size_t most = optionArguments(option);
-        for (size_t i = 0; i < most; ++i) {
-            text::Words after = ahead;
-            const std::string_view argument = after.next();
-            if (most == 3 && i > 0 && !text::parseFloat(argument)) break;
-            if (option == "-clamp") material.clampsKdMap = argument == "on";
-            ahead = after;
-        }
-        words = ahead;
+        if (!readOption(words, read)) return false;
     }
-    material.kdMap = words.rest();
-    std::ranges::replace(material.kdMap, '\\', '/');
+    read.file = words.rest();
+    std::ranges::replace(read.file, '\\', '/');
+    const Texture placed = textureOf(read, 0);
+    if (!isFinite(placed.u) || !isFinite(placed.v)) return false;
+    map = std::move(read);
+    return true;
 }
 
 /// Reads one statement into `m`. False if its numbers are malformed.
@@ -94,96 +99,8 @@ bool readStatement(std::string_view key, text::Words& words, MtlMaterial& m) {
         if (model) m.illum = static_cast<int>(std::clamp<int64_t>(*model, 0, 100));
         return model.has_value();
     }
-    if (key == "map_Kd") readKdMap(words.rest(), m);
+    if (key == "map_Kd") return readMap(words.rest(), m.kdMap);
     return true;
-}
-
-/// `name` inside `folder`, relative to `base` (itself relative to `folder`); nothing if it leads out of `folder`.
-std::optional<fs::path> pathInside(const fs::path& base, const std::string& name) {
-    const fs::path path = (base / name).lexically_normal();
-    if (path.empty() || path.is_absolute() || *path.begin() == ".." || path == ".") return std::nullopt;
-    return path;
-}
-
-/// Images by path, each decoded once.
-class Images {
-public:
-    Images(Scene& scene, const fs::path& folder) : scene_(scene), folder_(folder) {}
-
-    std::optional<uint32_t> find(const fs::path& library, const std::string& name) {
-        const auto inside = pathInside(library.parent_path(), name);
-        if (!inside) {
-            scene_.remarks.push_back(fmt::format("{}: the image {} lies outside the scene's folder and is not read",
-                                                 library.string(), text::quoted(name)));
-            return std::nullopt;
-        }
-        const auto [entry, isNew] = indices_.try_emplace(*inside);
-        if (isNew) entry->second = load(folder_ / *inside);
-        return entry->second;
-    }
-
-private:
-    std::optional<uint32_t> load(const fs::path& path) {
-        try {
-            scene_.images.push_back(decodeImage(readFile(path, largestImageFile), path));
-            return static_cast<uint32_t>(scene_.images.size() - 1);
-        } catch (const Error& error) {
-            scene_.remarks.push_back(fmt::format("image left out: {}", error.what()));
-            return std::nullopt;
-        }
-    }
-
-    Scene& scene_;
-    fs::path folder_;
-    std::map<fs::path, std::optional<uint32_t>> indices_;
-};
-
-struct Library {
-    fs::path path;  ///< relative to the scene's folder
-    std::vector<MtlMaterial> materials;
-};
-
-/// One library, or nothing with a remark.
-std::optional<Library> loadLibrary(Scene& scene, const fs::path& folder, const fs::path& inside) {
-    try {
-        const std::vector<std::byte> bytes = readFile(folder / inside, largestLibrary);
-        const std::string place = (folder / inside).string();
-        return Library{inside, readMtl(text::checkText(bytes, place), place, scene.remarks)};
-    } catch (const Error& error) {
-        scene.remarks.push_back(fmt::format("material library left out: {}", error.what()));
-        return std::nullopt;
-    }
-}
-
-/// The files one mtllib statement names: itself, if such a file exists (names may hold blanks), else word by word.
-std::vector<std::string> filesNamed(const fs::path& folder, std::string statement) {
-    std::ranges::replace(statement, '\\', '/');
-    std::error_code ignored;
-    const auto whole = pathInside({}, statement);
-    if (whole && fs::exists(folder / *whole, ignored)) return {statement};
-    std::vector<std::string> names;
-    text::Words words(statement);
-    for (std::string_view word = words.next(); !word.empty(); word = words.next()) names.emplace_back(word);
-    return names;
-}
-
-std::vector<Library> loadLibraries(Scene& scene, const fs::path& folder, const std::vector<std::string>& statements) {
-    std::vector<Library> libraries;
-    std::vector<fs::path> seen;
-    for (const std::string& statement : statements) {
-        for (const std::string& name : filesNamed(folder, statement)) {
-            const auto inside = pathInside({}, name);
-            if (!inside) {
-                scene.remarks.push_back(fmt::format(
-                    "the material library {} lies outside the scene's folder and is not read", text::quoted(name)));
-                continue;
-            }
-            if (std::ranges::find(seen, *inside) != seen.end()) continue;
-            seen.push_back(*inside);
-            if (auto library = loadLibrary(scene, folder, *inside)) libraries.push_back(std::move(*library));
-        }
-    }
-    return libraries;
 }
 
 }  // namespace
@@ -209,7 +126,7 @@ Material toMaterial(const MtlMaterial& m) {
     const int illum = m.illum.value_or(2);
     const float ni = m.ni.value_or(1.0f);
     const float opacity = std::clamp(m.opacity.value_or(1.0f), 0.0f, 1.0f);
-    const vec3 kd = glm::min(m.kd.value_or(vec3(m.kdMap.empty() ? 0.8f : 1.0f)), 1.0f);
+    const vec3 kd = glm::min(m.kd.value_or(vec3(m.kdMap.file.empty() ? 0.8f : 1.0f)), 1.0f);
     const vec3 ks = glm::min(m.ks.value_or(vec3(0.0f)), 1.0f);
     const float blur = std::sqrt(2.0f / (std::max(m.ns.value_or(0.0f), 0.0f) + 2.0f));
 
@@ -234,33 +151,6 @@ Material toMaterial(const MtlMaterial& m) {
         material.ior = (1.0f + reflectance) / (1.0f - reflectance);
     }
     return material;
-}
-
-void addMtlMaterials(Scene& scene, const fs::path& folder, const std::vector<std::string>& statements,
-                     const std::vector<std::string>& names) {
-    const std::vector<Library> libraries = loadLibraries(scene, folder, statements);
-    std::unordered_map<std::string_view, std::pair<const Library*, const MtlMaterial*>> defined;
-    for (const Library& library : libraries)
-        for (const MtlMaterial& material : library.materials) defined.try_emplace(material.name, &library, &material);
-
-    Images images(scene, folder);
-    for (const std::string& name : names) {
-        Material material;
-        material.name = name;
-        if (const auto found = defined.find(name); found != defined.end()) {
-            const auto& [library, stated] = found->second;
-            material = toMaterial(*stated);
-            if (!stated->kdMap.empty()) {
-                const Wrap wrap = stated->clampsKdMap ? Wrap::clamp : Wrap::repeat;
-                if (const auto image = images.find(library->path, stated->kdMap))
-                    material.baseColorTexture = Texture{*image, wrap, wrap};
-            }
-        } else if (!name.empty()) {
-            scene.remarks.push_back(
-                fmt::format("no library defines the material {}: a default one stands in", text::quoted(name)));
-        }
-        scene.materials.push_back(std::move(material));
-    }
 }
 
 }  // namespace raig

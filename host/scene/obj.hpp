@@ -17,7 +17,10 @@
 ///               index of what reflects 0.08 Y(Ks) along its normal, as Phong's lobes have no energy to go by, and exporters
 ///               write 0.5 for what reflects 0.04
 ///     the rest  baseColor Kd, diffuse (roughness 1)
-/// emission is Ke; map_Kd multiplies Kd, its options skipped but for -clamp. Kd is 0.8 where it is not given, 1 under a map.
+/// emission is Ke. Kd is 0.8 where it is not given, 1 under a map.
+///
+/// Maps: map_Kd multiplies Kd. It repeats, or with -clamp on its edges go on; -s and -o place it at scale (u, v) + offset of
+/// the coordinates as OBJ counts them. Other options are skipped.
 #pragma once
 
 #include "scene/scene.hpp"
@@ -30,21 +33,28 @@
 
 namespace raig {
 
+/// A picture as a statement names it.
+struct MtlMap {
+    std::string file;  ///< with forward slashes; empty: none
+    bool clamps = false;
+    vec2 scale{1.0f};   ///< -s
+    vec2 offset{0.0f};  ///< -o
+};
+
 /// A material as its library states it; what it does not state is empty.
 struct MtlMaterial {
     std::string name;
     std::optional<vec3> kd, ks, ke, tf;
     std::optional<float> ns, opacity, ni;
     std::optional<int> illum;
-    std::string kdMap;  ///< with forward slashes
-    bool clampsKdMap = false;
+    MtlMap kdMap;
 };
 
 /// Reads an MTL library. Statements with malformed numbers are left out, each with a remark that begins with "place:line".
 /// Cost O(text).
 std::vector<MtlMaterial> readMtl(std::string_view text, const std::string& place, std::vector<std::string>& remarks);
 
-/// The mapping above, without the texture. Ensures: all numbers finite and in Material's ranges.
+/// The mapping above, without the textures. Ensures: all numbers finite and in Material's ranges.
 Material toMaterial(const MtlMaterial& material);
 
 /// Reads the libraries that an OBJ file in `folder` names (each a statement's argument: one file name, or several) and
