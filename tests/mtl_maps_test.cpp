@@ -73,5 +73,34 @@ TEST(MtlOptions, WithMalformedNumbersLeaveTheMapOutWithItsLine) {
     }
 }
 
+// ---- map_Ke ------------------------------------------------------------------------------------------------------------
+
+TEST(MtlEmission, IsThePictureTimesKe) {
+    const std::vector<File> files{{"e.tga", tga(1, 1, {red})}};
+    const Material plain = load("map_Ke -clamp on e.tga\n", files).materials.at(0);
+    EXPECT_EQ(plain.emission, vec3(1.0f));
+    EXPECT_EQ(plain.emissionTexture, (Texture{0, Wrap::clamp, Wrap::clamp}));
+    EXPECT_FALSE(plain.baseColorTexture);
+    EXPECT_EQ(plain.baseColor, vec3(0.8f));
+    EXPECT_EQ(load("Ke 2 3 4\nmap_Ke e.tga\n", files).materials.at(0).emission, vec3(2, 3, 4));
+}
+
+TEST(MtlEmission, IsNoneWhereKeIsBlackOrThePictureIsMissing) {
+    const Scene dark = load("Ke 0 0 0\nmap_Ke e.tga\n", {{"e.tga", tga(1, 1, {red})}});
+    EXPECT_EQ(dark.materials.at(0).emission, vec3(0.0f));
+    EXPECT_TRUE(dark.images.empty()) << "what no ray can see is not read";
+    const Scene missing = load("map_Ke e.tga\n", {});
+    EXPECT_EQ(missing.materials.at(0).emission, vec3(0.0f));
+    EXPECT_TRUE(hasRemark(missing, "e.tga"));
+    EXPECT_EQ(load("Ke 5 5 5\nmap_Ke e.tga\n", {}).materials.at(0).emission, vec3(5.0f)) << "as far as it is known";
+}
+
+TEST(MtlEmission, SharesItsImageWithMapKd) {
+    const Scene scene = load("map_Kd e.tga\nmap_Ke -s 2 e.tga\n", {{"e.tga", tga(1, 1, {red})}});
+    ASSERT_EQ(scene.images.size(), 1u);
+    EXPECT_EQ(scene.materials.at(0).baseColorTexture, Texture{});
+    EXPECT_EQ(scene.materials.at(0).emissionTexture->u.x, 2.0f);
+}
+
 }  // namespace
 }  // namespace raig

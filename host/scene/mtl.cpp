@@ -100,6 +100,7 @@ bool readStatement(std::string_view key, text::Words& words, MtlMaterial& m) {
         return model.has_value();
     }
     if (key == "map_Kd") return readMap(words.rest(), m.kdMap);
+    if (key == "map_Ke") return readMap(words.rest(), m.keMap);
     return true;
 }
 
@@ -126,14 +127,14 @@ Material toMaterial(const MtlMaterial& m) {
     const int illum = m.illum.value_or(2);
     const float ni = m.ni.value_or(1.0f);
     const float opacity = std::clamp(m.opacity.value_or(1.0f), 0.0f, 1.0f);
-    const vec3 kd = glm::min(m.kd.value_or(vec3(m.kdMap.file.empty() ? 0.8f : 1.0f)), 1.0f);
+    const vec3 kd = glm::min(m.kd.value_or(vec3(m.kdMap.isNone() ? 0.8f : 1.0f)), 1.0f);
     const vec3 ks = glm::min(m.ks.value_or(vec3(0.0f)), 1.0f);
     const float blur = std::sqrt(2.0f / (std::max(m.ns.value_or(0.0f), 0.0f) + 2.0f));
 
     Material material;
     material.name = m.name;
     material.baseColor = kd;
-    material.emission = m.ke.value_or(vec3(0.0f));
+    material.emission = m.ke.value_or(vec3(m.keMap.isNone() ? 0.0f : 1.0f));
     const bool refracts = (illum == 6 || illum == 7) && m.tf && ni > 1.0001f;
     if (opacity < 1.0f || refracts) {
         material.transmission = 1.0f;

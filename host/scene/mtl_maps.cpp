@@ -30,11 +30,14 @@ Texture textureOf(const MtlMap& map, uint32_t image) {
 }
 
 void MtlMaps::addTextures(const MtlMaterial& stated, const fs::path& library, Material& material) {
-    if (stated.kdMap.file.empty()) return;
-    if (const auto image = find(library, stated.kdMap)) material.baseColorTexture = textureOf(stated.kdMap, *image);
+    material.baseColorTexture = find(library, stated.kdMap);
+    if (material.emission != vec3(0.0f)) material.emissionTexture = find(library, stated.keMap);
+    // Ke is 1 for a picture's sake: where there is none to be had, nothing glows.
+    if (!stated.ke && !material.emissionTexture) material.emission = vec3(0.0f);
 }
 
-std::optional<uint32_t> MtlMaps::find(const fs::path& library, const MtlMap& map) {
+std::optional<Texture> MtlMaps::find(const fs::path& library, const MtlMap& map) {
+    if (map.isNone()) return std::nullopt;
     const auto inside = pathInside(library.parent_path(), map.file);
     if (!inside) {
         scene_.remarks.push_back(fmt::format("{}: the image {} lies outside the scene's folder and is not read",
@@ -43,7 +46,7 @@ std::optional<uint32_t> MtlMaps::find(const fs::path& library, const MtlMap& map
     }
     const auto [entry, isNew] = indices_.try_emplace(*inside);
     if (isNew) entry->second = load(folder_ / *inside);
-    return entry->second;
+    return entry->second ? std::optional(textureOf(map, *entry->second)) : std::nullopt;
 }
 
 std::optional<uint32_t> MtlMaps::load(const fs::path& path) {

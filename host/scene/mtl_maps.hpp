@@ -24,7 +24,7 @@ public:
     void addTextures(const MtlMaterial& stated, const std::filesystem::path& library, Material& material);
 
 private:
-    std::optional<uint32_t> find(const std::filesystem::path& library, const MtlMap& map);
+    std::optional<Texture> find(const std::filesystem::path& library, const MtlMap& map);
     std::optional<uint32_t> load(const std::filesystem::path& path);
 
     Scene& scene_;

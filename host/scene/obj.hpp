@@ -19,8 +19,11 @@
 ///     the rest  baseColor Kd, diffuse (roughness 1)
 /// emission is Ke. Kd is 0.8 where it is not given, 1 under a map.
 ///
-/// Maps: map_Kd multiplies Kd. It repeats, or with -clamp on its edges go on; -s and -o place it at scale (u, v) + offset of
-/// the coordinates as OBJ counts them. Other options are skipped.
+/// Maps:
+///     map_Kd    multiplies Kd
+///     map_Ke    multiplies Ke, which is 1 where it is not given under a map that can be read
+/// They repeat, or with -clamp on their edges go on; -s and -o place them at scale (u, v) + offset of the coordinates as OBJ
+/// counts them. Other options are skipped.
 #pragma once
 
 #include "scene/scene.hpp"
@@ -35,10 +38,12 @@ namespace raig {
 
 /// A picture as a statement names it.
 struct MtlMap {
-    std::string file;  ///< with forward slashes; empty: none
+    std::string file;   ///< with forward slashes; empty: none
     bool clamps = false;
     vec2 scale{1.0f};   ///< -s
     vec2 offset{0.0f};  ///< -o
+
+    bool isNone() const { return file.empty(); }
 };
 
 /// A material as its library states it; what it does not state is empty.
@@ -47,7 +52,7 @@ struct MtlMaterial {
     std::optional<vec3> kd, ks, ke, tf;
     std::optional<float> ns, opacity, ni;
     std::optional<int> illum;
-    MtlMap kdMap;
+    MtlMap kdMap, keMap;
 };
 
 /// Reads an MTL library. Statements with malformed numbers are left out, each with a remark that begins with "place:line".
