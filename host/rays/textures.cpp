@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "scene/color.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,25 +15,6 @@ namespace raig {
 using namespace shared;
 
 namespace {
-
-double decodeSrgb(double c) {
-    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-}
-
-/// From bytes to linear light, and back by the values that lie half way between two bytes.
-struct Encoding {
-    explicit Encoding(bool encoded) {
-        for (size_t i = 0; i < 256; ++i) {
-            values[i] = encoded ? decodeSrgb(i / 255.0) : i / 255.0;
-            const double middle = (i + 0.5 - 1e-6) / 255.0;  // so that a half, however it was rounded, goes upwards
-            middles[i] = encoded ? decodeSrgb(middle) : middle;
-        }
-    }
-    uint8_t byteOf(double value) const {
-        return static_cast<uint8_t>(std::upper_bound(middles.begin(), middles.end() - 1, value) - middles.begin());
-    }
-    std::array<double, 256> values{}, middles{};
-};
 
 /// A texel's share in one of the next level, along one axis.
 struct Share {
@@ -54,7 +36,7 @@ std::vector<std::vector<Share>> coverage(uint32_t from, uint32_t to) {
     return covered;
 }
 
-Texels halved(const Texels& image, const Encoding& color, const Encoding& linear) {
+Texels halved(const Texels& image, const ByteEncoding& color, const ByteEncoding& linear) {
     Texels half{std::max(1u, image.width / 2), std::max(1u, image.height / 2), {}};
     half.rgba.resize(size_t{half.width} * half.height * 4);
     const auto columns = coverage(image.width, half.width), rows = coverage(image.height, half.height);
@@ -89,7 +71,7 @@ uvec4 packed(const vec3& v) {
 }  // namespace
 
 std::vector<Texels> pyramidOf(const Texels& image, bool encoded) {
-    const Encoding linear(false), color(encoded);
+    const ByteEncoding linear(false), color(encoded);
     std::vector<Texels> levels = {image};
     while (levels.back().width > 1 || levels.back().height > 1) levels.push_back(halved(levels.back(), color, linear));
     return levels;

@@ -3,7 +3,10 @@
 
 #include "base/vectors.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 
 namespace raig {
 
@@ -17,5 +20,25 @@ inline float linearFromSrgb(float encoded) {
 inline vec3 linearFromSrgb(const vec3& encoded) {
     return {linearFromSrgb(encoded.x), linearFromSrgb(encoded.y), linearFromSrgb(encoded.z)};
 }
+
+/// The same in double precision. Requires 0 <= c <= 1.
+inline double decodeSrgb(double c) {
+    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+}
+
+/// From bytes to linear light, and back by the values that lie half way between two bytes.
+struct ByteEncoding {
+    explicit ByteEncoding(bool encoded) {
+        for (size_t i = 0; i < 256; ++i) {
+            values[i] = encoded ? decodeSrgb(i / 255.0) : i / 255.0;
+            const double middle = (i + 0.5 - 1e-6) / 255.0;  // so that a half, however it was rounded, goes upwards
+            middles[i] = encoded ? decodeSrgb(middle) : middle;
+        }
+    }
+    uint8_t byteOf(double value) const {
+        return static_cast<uint8_t>(std::upper_bound(middles.begin(), middles.end() - 1, value) - middles.begin());
+    }
+    std::array<double, 256> values{}, middles{};
+};
 
 }  // namespace raig
