@@ -47,6 +47,8 @@ bool readOption(text::Words& words, MtlMap& map) {
         const auto number = text::parseFloat(argument);
         if (most == 3 && i > 0 && !number) break;
         if (option == "-clamp") map.clamps = argument == "on";
+        if (option == "-imfchan" && argument.size() == 1 && std::string_view("rgbml").find(argument) != argument.npos)
+            map.channel = argument.front();
         if (pair && !(number && std::isfinite(*number))) return false;
         if (pair && i < 2) (*pair)[static_cast<int>(i)] = *number;
         words = ahead;
@@ -101,6 +103,7 @@ bool readStatement(std::string_view key, text::Words& words, MtlMaterial& m) {
     }
     if (key == "map_Kd") return readMap(words.rest(), m.kdMap);
     if (key == "map_Ke") return readMap(words.rest(), m.keMap);
+    if (key == "map_d") return readMap(words.rest(), m.dMap);
     return true;
 }
 
@@ -136,7 +139,8 @@ Material toMaterial(const MtlMaterial& m) {
     material.baseColor = kd;
     material.emission = m.ke.value_or(vec3(m.keMap.isNone() ? 0.0f : 1.0f));
     const bool refracts = (illum == 6 || illum == 7) && m.tf && ni > 1.0001f;
-    if (opacity < 1.0f || refracts) {
+    if (!m.dMap.isNone() && !refracts) material.alpha = opacity;
+    if ((opacity < 1.0f && m.dMap.isNone()) || refracts) {
         material.transmission = 1.0f;
         material.roughness = 0.0f;
         material.thin = false;

@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "scene/import.hpp"
+#include "scene/mtl_opacity.hpp"
 #include "scene/text.hpp"
 
 namespace raig {
@@ -12,6 +13,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t largestFile = size_t{256} << 20;
+/// 48 pictures of 2048 x 2048 have more: what a few small files could ask for has to end somewhere.
+constexpr uint64_t mostJointTexels = 200'000'000;
 
 }  // namespace
 
@@ -30,33 +33,104 @@ Texture textureOf(const MtlMap& map, uint32_t image) {
 }
 
 void MtlMaps::addTextures(const MtlMaterial& stated, const fs::path& library, Material& material) {
-    material.baseColorTexture = find(library, stated.kdMap);
-    if (material.emission != vec3(0.0f)) material.emissionTexture = find(library, stated.keMap);
+    material.baseColorTexture = colorTexture(stated, library, material);
+    if (material.emission != vec3(0.0f)) material.emissionTexture = textureFor(library, stated.keMap);
     // Ke is 1 for a picture's sake: where there is none to be had, nothing glows.
     if (!stated.ke && !material.emissionTexture) material.emission = vec3(0.0f);
 }
 
-std::optional<Texture> MtlMaps::find(const fs::path& library, const MtlMap& map) {
-    if (map.isNone()) return std::nullopt;
+/// That of map_Kd, with map_d as its alpha.
+std::optional<Texture> MtlMaps::colorTexture(const MtlMaterial& stated, const fs::path& library, Material& material) {
+    Picture* color = find(library, stated.kdMap);
+    const bool isGlass = material.transmission > 0.0f;
+    if (isGlass && !stated.dMap.isNone()) say("map_d is left out where a material lets light through by itself");
+    Picture* opacity = isGlass ? nullptr : find(library, stated.dMap);
+    std::optional<uint32_t> joint;
+    if (opacity) {
+        const char otherwise = opacity->hasAlpha ? 'm' : 'l';
+        const char channel = stated.dMap.channel != 0 ? stated.dMap.channel : otherwise;
+        const bool isSame = color == opacity && channel == 'm' && opacity->hasAlpha;
+        joint = isSame ? place(*color) : join({color, opacity, channel});
+    }
+    material.alphaVaries = joint.has_value();
+    if (!joint) return color ? std::optional(textureOf(stated.kdMap, place(*color))) : std::nullopt;
+    if (!color) return textureOf(stated.dMap, *joint);
+    const Texture placed = textureOf(stated.kdMap, *joint);
+    if (placed != textureOf(stated.dMap, *joint)) say("map_d is placed as map_Kd is, whose options differ");
+    return placed;
+}
+
+/// The image that has the one's colours and the other's opacity; nothing where that is opaque throughout, or too much.
+std::optional<uint32_t> MtlMaps::join(const Joint& joint) {
+    const auto [entry, isNew] = joints_.try_emplace(joint);
+    if (isNew) entry->second = makeJoint(joint);
+    return entry->second;
+}
+
+std::optional<uint32_t> MtlMaps::makeJoint(const Joint& joint) {
+    const auto [color, opacity, channel] = joint;
+    const Texels* colors = color ? &texelsOf(*color) : nullptr;
+    const Opacity values = opacityOf(texelsOf(*opacity), channel);
+    if (values.isOpaque()) return std::nullopt;
+    const uvec2 size = jointSize(colors, values);
+    const uint64_t texels = uint64_t{size.x} * size.y;
+    if (jointTexels_ + texels > mostJointTexels) {
+        say(fmt::format("map_d is left out where its pictures, joined with map_Kd's, would have more than {} texels in all",
+                        mostJointTexels));
+        return std::nullopt;
+    }
+    jointTexels_ += texels;
+    Texels made = withOpacity(colors, values);
+    scene_.images.push_back(std::move(made));
+    return static_cast<uint32_t>(scene_.images.size() - 1);
+}
+
+std::optional<Texture> MtlMaps::textureFor(const fs::path& library, const MtlMap& map) {
+    Picture* picture = find(library, map);
+    return picture ? std::optional(textureOf(map, place(*picture))) : std::nullopt;
+}
+
+/// Null if there is none, or it cannot be read.
+MtlMaps::Picture* MtlMaps::find(const fs::path& library, const MtlMap& map) {
+    if (map.isNone()) return nullptr;
     const auto inside = pathInside(library.parent_path(), map.file);
     if (!inside) {
         scene_.remarks.push_back(fmt::format("{}: the image {} lies outside the scene's folder and is not read",
                                              library.string(), text::quoted(map.file)));
-        return std::nullopt;
+        return nullptr;
     }
-    const auto [entry, isNew] = indices_.try_emplace(*inside);
+    const auto [entry, isNew] = pictures_.try_emplace(*inside);
     if (isNew) entry->second = load(folder_ / *inside);
-    return entry->second ? std::optional(textureOf(map, *entry->second)) : std::nullopt;
+    return entry->second ? &*entry->second : nullptr;
 }
 
-std::optional<uint32_t> MtlMaps::load(const fs::path& path) {
+std::optional<MtlMaps::Picture> MtlMaps::load(const fs::path& path) {
     try {
-        scene_.images.push_back(decodeImage(readFile(path, largestFile), path));
-        return static_cast<uint32_t>(scene_.images.size() - 1);
+        Picture picture{decodeImage(readFile(path, largestFile), path), std::nullopt};
+        picture.hasAlpha = hasAlpha(picture.texels);
+        return picture;
     } catch (const Error& error) {
         scene_.remarks.push_back(fmt::format("image left out: {}", error.what()));
         return std::nullopt;
     }
+}
+
+const Texels& MtlMaps::texelsOf(const Picture& picture) const {
+    return picture.image ? scene_.images[*picture.image] : picture.texels;
+}
+
+/// Its index among the scene's images.
+uint32_t MtlMaps::place(Picture& picture) {
+    if (!picture.image) {
+        scene_.images.push_back(std::move(picture.texels));
+        picture.image = static_cast<uint32_t>(scene_.images.size() - 1);
+    }
+    return *picture.image;
+}
+
+/// Once.
+void MtlMaps::say(const std::string& remark) {
+    if (said_.insert(remark).second) scene_.remarks.push_back(remark);
 }
 
 }  // namespace raig

@@ -4,6 +4,8 @@
 #include "scene/obj.hpp"
 
 #include <map>
+#include <set>
+#include <tuple>
 
 namespace raig {
 
@@ -24,12 +26,30 @@ public:
     void addTextures(const MtlMaterial& stated, const std::filesystem::path& library, Material& material);
 
 private:
-    std::optional<Texture> find(const std::filesystem::path& library, const MtlMap& map);
-    std::optional<uint32_t> load(const std::filesystem::path& path);
+    /// What a file holds, until a texture looks it up as it is: then the scene does.
+    struct Picture {
+        Texels texels;
+        std::optional<uint32_t> image;
+        bool hasAlpha = false;
+    };
+    using Joint = std::tuple<const Picture*, const Picture*, char>;  ///< colour (or null), opacity and its channel
+
+    Picture* find(const std::filesystem::path& library, const MtlMap& map);
+    std::optional<Picture> load(const std::filesystem::path& path);
+    const Texels& texelsOf(const Picture& picture) const;
+    uint32_t place(Picture& picture);
+    std::optional<Texture> textureFor(const std::filesystem::path& library, const MtlMap& map);
+    std::optional<Texture> colorTexture(const MtlMaterial& stated, const std::filesystem::path& library, Material& material);
+    std::optional<uint32_t> join(const Joint& joint);
+    std::optional<uint32_t> makeJoint(const Joint& joint);
+    void say(const std::string& remark);
 
     Scene& scene_;
     std::filesystem::path folder_;
-    std::map<std::filesystem::path, std::optional<uint32_t>> indices_;
+    std::map<std::filesystem::path, std::optional<Picture>> pictures_;
+    std::map<Joint, std::optional<uint32_t>> joints_;
+    uint64_t jointTexels_ = 0;
+    std::set<std::string> said_;
 };
 
 }  // namespace raig

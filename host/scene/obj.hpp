@@ -22,6 +22,10 @@
 /// Maps:
 ///     map_Kd    multiplies Kd
 ///     map_Ke    multiplies Ke, which is 1 where it is not given under a map that can be read
+///     map_d     is coverage, times d: what d < 1 makes glass without it blends. It is the channel that -imfchan names (r,
+///               g, b, m alpha, l luminance), else alpha, if any of it is less than 1, else luminance. It becomes the alpha
+///               of map_Kd's picture, or of a white one, and so is looked up by map_Kd's options; where sizes differ, the
+///               smaller one is resampled. Glass by illum stays glass.
 /// They repeat, or with -clamp on their edges go on; -s and -o place them at scale (u, v) + offset of the coordinates as OBJ
 /// counts them. Other options are skipped.
 #pragma once
@@ -42,6 +46,7 @@ struct MtlMap {
     bool clamps = false;
     vec2 scale{1.0f};   ///< -s
     vec2 offset{0.0f};  ///< -o
+    char channel = 0;   ///< -imfchan: r, g, b, m or l; 0 where none of these is stated
 
     bool isNone() const { return file.empty(); }
 };
@@ -52,7 +57,7 @@ struct MtlMaterial {
     std::optional<vec3> kd, ks, ke, tf;
     std::optional<float> ns, opacity, ni;
     std::optional<int> illum;
-    MtlMap kdMap, keMap;
+    MtlMap kdMap, keMap, dMap;
 };
 
 /// Reads an MTL library. Statements with malformed numbers are left out, each with a remark that begins with "place:line".
