@@ -2,6 +2,7 @@
 #include "scene/text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace raig {
@@ -49,8 +50,10 @@ bool readOption(text::Words& words, MtlMap& map) {
         if (option == "-clamp") map.clamps = argument == "on";
         if (option == "-imfchan" && argument.size() == 1 && std::string_view("rgbml").find(argument) != argument.npos)
             map.channel = argument.front();
-        if (pair && !(number && std::isfinite(*number))) return false;
+        const bool counts = pair || option == "-bm";
+        if (counts && !(number && std::isfinite(*number))) return false;
         if (pair && i < 2) (*pair)[static_cast<int>(i)] = *number;
+        if (option == "-bm") map.strength = *number;
         words = ahead;
     }
     return true;
@@ -71,6 +74,21 @@ bool readMap(std::string_view arguments, MtlMap& map) {
     const Texture placed = textureOf(read, 0);
     if (!isFinite(placed.u) || !isFinite(placed.v)) return false;
     map = std::move(read);
+    return true;
+}
+
+/// What the kinds of maps that are not read are called in a remark.
+constexpr std::array<std::string_view, 10> otherMaps{"map_Bump", "disp",   "decal",  "refl",   "map_Ks",
+                                                     "map_Ns",   "map_Pr", "map_Pm", "map_Ps", "map_Tr"};
+
+/// Reads the statement of a map into `m`, if it is one. False if its options' numbers are malformed.
+bool readMapStatement(std::string_view key, text::Words& words, MtlMaterial& m) {
+    if (key == "map_Kd") return readMap(words.rest(), m.kdMap);
+    if (key == "map_Ke") return readMap(words.rest(), m.keMap);
+    if (key == "map_d") return readMap(words.rest(), m.dMap);
+    if (key == "norm") return readMap(words.rest(), m.normMap);
+    for (const std::string_view kind : otherMaps)
+        if (text::equalsIgnoringCase(key == "bump" ? "map_Bump" : key, kind)) m.otherMaps.insert(kind);
     return true;
 }
 
@@ -101,10 +119,7 @@ bool readStatement(std::string_view key, text::Words& words, MtlMaterial& m) {
         if (model) m.illum = static_cast<int>(std::clamp<int64_t>(*model, 0, 100));
         return model.has_value();
     }
-    if (key == "map_Kd") return readMap(words.rest(), m.kdMap);
-    if (key == "map_Ke") return readMap(words.rest(), m.keMap);
-    if (key == "map_d") return readMap(words.rest(), m.dMap);
-    return true;
+    return readMapStatement(key, words, m);
 }
 
 }  // namespace

@@ -85,6 +85,7 @@ void addMtlMaterials(Scene& scene, const fs::path& folder, const std::vector<std
         }
         scene.materials.push_back(std::move(material));
     }
+    maps.remarkLeftOut();
 }
 
 }  // namespace raig

@@ -6,6 +6,8 @@
 #include "scene/mtl_opacity.hpp"
 #include "scene/text.hpp"
 
+#include <fmt/ranges.h>
+
 namespace raig {
 
 namespace {
@@ -37,6 +39,9 @@ void MtlMaps::addTextures(const MtlMaterial& stated, const fs::path& library, Ma
     if (material.emission != vec3(0.0f)) material.emissionTexture = textureFor(library, stated.keMap);
     // Ke is 1 for a picture's sake: where there is none to be had, nothing glows.
     if (!stated.ke && !material.emissionTexture) material.emission = vec3(0.0f);
+    material.normalTexture = textureFor(library, stated.normMap);
+    material.normalScale = stated.normMap.strength;
+    leftOut_.insert(stated.otherMaps.begin(), stated.otherMaps.end());
 }
 
 /// That of map_Kd, with map_d as its alpha.
@@ -126,6 +131,10 @@ uint32_t MtlMaps::place(Picture& picture) {
         picture.image = static_cast<uint32_t>(scene_.images.size() - 1);
     }
     return *picture.image;
+}
+
+void MtlMaps::remarkLeftOut() {
+    if (!leftOut_.empty()) say(fmt::format("maps that are not read are left out: {}", fmt::join(leftOut_, ", ")));
 }
 
 /// Once.

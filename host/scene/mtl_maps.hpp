@@ -24,6 +24,8 @@ public:
 
     /// Adds the textures that `stated` names, in a library at `library` inside the folder, to the material made of it.
     void addTextures(const MtlMaterial& stated, const std::filesystem::path& library, Material& material);
+    /// Names the kinds of maps of all these materials that are not read, in one remark.
+    void remarkLeftOut();
 
 private:
     /// What a file holds, until a texture looks it up as it is: then the scene does.
@@ -50,6 +52,7 @@ private:
     std::map<Joint, std::optional<uint32_t>> joints_;
     uint64_t jointTexels_ = 0;
     std::set<std::string> said_;
+    std::set<std::string_view> leftOut_;
 };
 
 }  // namespace raig

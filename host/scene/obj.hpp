@@ -26,6 +26,9 @@
 ///               g, b, m alpha, l luminance), else alpha, if any of it is less than 1, else luminance. It becomes the alpha
 ///               of map_Kd's picture, or of a white one, and so is looked up by map_Kd's options; where sizes differ, the
 ///               smaller one is resampled. Glass by illum stays glass.
+///     norm      bends the normal as glTF's normal textures do, its x and y multiplied by -bm
+/// Others are left out with a remark, as is map_Bump: some exporters write heights there, some normals; of map_Ka there is
+/// none, as Ka has no meaning here.
 /// They repeat, or with -clamp on their edges go on; -s and -o place them at scale (u, v) + offset of the coordinates as OBJ
 /// counts them. Other options are skipped.
 #pragma once
@@ -34,6 +37,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,11 +46,12 @@ namespace raig {
 
 /// A picture as a statement names it.
 struct MtlMap {
-    std::string file;   ///< with forward slashes; empty: none
+    std::string file;  ///< with forward slashes; empty: none
     bool clamps = false;
-    vec2 scale{1.0f};   ///< -s
-    vec2 offset{0.0f};  ///< -o
-    char channel = 0;   ///< -imfchan: r, g, b, m or l; 0 where none of these is stated
+    vec2 scale{1.0f};       ///< -s
+    vec2 offset{0.0f};      ///< -o
+    float strength = 1.0f;  ///< -bm
+    char channel = 0;       ///< -imfchan: r, g, b, m or l; 0 where none of these is stated
 
     bool isNone() const { return file.empty(); }
 };
@@ -57,7 +62,8 @@ struct MtlMaterial {
     std::optional<vec3> kd, ks, ke, tf;
     std::optional<float> ns, opacity, ni;
     std::optional<int> illum;
-    MtlMap kdMap, keMap, dMap;
+    MtlMap kdMap, keMap, dMap, normMap;
+    std::set<std::string_view> otherMaps;  ///< the kinds of those that are not read
 };
 
 /// Reads an MTL library. Statements with malformed numbers are left out, each with a remark that begins with "place:line".
