@@ -3,6 +3,8 @@
 #include "scene/geometry.hpp"
 #include "support/mtl_files.hpp"
 
+#include <random>
+
 namespace raig {
 namespace {
 
@@ -112,11 +114,65 @@ TEST(MtlNormals, RedLeansAlongUAndGreenAlongV) {
     EXPECT_LT(normalBy({128, 37, 218, 255}).y, -0.6);
 }
 
+TEST(MtlNormals, AreThoseOfMapBumpWhereItShowsSome) {
+    const Texel up{128, 128, 255, 255}, aside{218, 128, 218, 255};
+    std::vector<Texel> mostly(10, up);
+    mostly[3] = black;
+    for (const char* key : {"map_Bump", "map_bump", "bump"}) {
+        const Scene scene = load(std::string(key) + " -bm 0.5 n.tga\n", {{"n.tga", tga(10, 1, mostly)}});
+        EXPECT_EQ(scene.materials.at(0).normalTexture, Texture{}) << key;
+        EXPECT_EQ(scene.materials.at(0).normalScale, 0.5f);
+        EXPECT_TRUE(scene.remarks.empty());
+    }
+    const File normals{"n.tga", tga(1, 1, {aside})}, other{"b.tga", tga(1, 1, {up})};
+    const Scene both = load("map_Bump -bm 7 b.tga\nnorm n.tga\n", {normals, other});
+    EXPECT_EQ(both.materials.at(0).normalScale, 1.0f);
+    ASSERT_EQ(both.images.size(), 1u);
+    EXPECT_EQ(both.images[0].rgba[0], 218);
+}
+
+TEST(MtlNormals, AreNoHeights) {
+    const Texel up{128, 128, 255, 255}, light{201, 201, 201, 255}, below{128, 128, 1, 255}, blue{0, 0, 255, 255};
+    std::vector<Texel> half(10, up);
+    half[3] = half[4] = grey;
+    for (const std::vector<Texel>& texels : {std::vector<Texel>(10, grey), std::vector<Texel>(10, light), half,
+                                             std::vector<Texel>(10, below), std::vector<Texel>(10, blue)}) {
+        const Scene scene = load("map_Bump b.tga\n", {{"b.tga", tga(10, 1, texels)}});
+        EXPECT_FALSE(scene.materials.at(0).normalTexture) << int{texels[0][0]};
+        EXPECT_TRUE(scene.images.empty());
+        EXPECT_TRUE(hasRemark(scene, "left out: map_Bump of heights"));
+    }
+}
+
 TEST(Mtl, OtherMapsAreLeftOutWithOneRemark) {
     const Scene scene =
-        load("map_Ka a.tga\nmap_Ks a.tga\nmap_bump b.tga\nbump b.tga\nmap_aat on\nrefl -type sphere r.tga\n", {});
+        load("map_Ka a.tga\nmap_Ks a.tga\nmap_ns b.tga\nmap_Ns b.tga\nmap_aat on\nrefl -type sphere r.tga\n", {});
     ASSERT_EQ(scene.remarks.size(), 1u);
-    EXPECT_TRUE(hasRemark(scene, "left out: map_Bump, map_Ks, refl"));
+    EXPECT_TRUE(hasRemark(scene, "left out: map_Ks, map_Ns, refl"));
+}
+
+// Each scene is checked as it is loaded.
+TEST(Mtl, AnyMapsLeaveTheSceneUsable) {
+    const std::vector<std::string> starts{"map_Kd", "map_Ke", "map_d", "norm", "map_Bump", "bump", "map_Ks", "d", "Ke"},
+        options{"", "-s 2 -3", "-o 1e38 -1e38", "-s 0 0 0", "-clamp on", "-imfchan l", "-imfchan m", "-bm -2", "-o", "0.5"},
+        pictures{"a.tga", "b.tga", "c.tga", "broken.tga", "none.tga", "../a.tga", ""};
+    const std::vector<File> files{{"a.tga", tga(3, 2, std::vector<Texel>(6, {128, 128, 255, 9}))},
+                                  {"b.tga", tga(1, 5, std::vector<Texel>(5, grey))},
+                                  {"c.tga", tga(1, 1, {white})},
+                                  {"broken.tga", tga(4, 4, {white}).substr(0, 17)}};
+    std::mt19937 random(5);
+    const auto any = [&](const std::vector<std::string>& of) { return of[random() % of.size()]; };
+    size_t cut = 0, bumpy = 0, glowing = 0;
+    for (int round = 0; round < 1000; ++round) {
+        std::string statements;
+        for (int i = 0; i < 5; ++i) statements += any(starts) + " " + any(options) + " " + any(pictures) + "\n";
+        const Material m = load(statements, files).materials.at(0);
+        ASSERT_FALSE(HasFailure()) << statements;
+        cut += m.alphaVaries;
+        bumpy += m.normalTexture.has_value();
+        glowing += m.emissionTexture.has_value();
+    }
+    EXPECT_TRUE(cut > 50 && bumpy > 50 && glowing > 50) << cut << ", " << bumpy << ", " << glowing;
 }
 
 }  // namespace

@@ -78,8 +78,8 @@ bool readMap(std::string_view arguments, MtlMap& map) {
 }
 
 /// What the kinds of maps that are not read are called in a remark.
-constexpr std::array<std::string_view, 10> otherMaps{"map_Bump", "disp",   "decal",  "refl",   "map_Ks",
-                                                     "map_Ns",   "map_Pr", "map_Pm", "map_Ps", "map_Tr"};
+constexpr std::array<std::string_view, 9> otherMaps{"disp",   "decal",  "refl",   "map_Ks", "map_Ns",
+                                                    "map_Pr", "map_Pm", "map_Ps", "map_Tr"};
 
 /// Reads the statement of a map into `m`, if it is one. False if its options' numbers are malformed.
 bool readMapStatement(std::string_view key, text::Words& words, MtlMaterial& m) {
@@ -87,8 +87,9 @@ bool readMapStatement(std::string_view key, text::Words& words, MtlMaterial& m) 
     if (key == "map_Ke") return readMap(words.rest(), m.keMap);
     if (key == "map_d") return readMap(words.rest(), m.dMap);
     if (key == "norm") return readMap(words.rest(), m.normMap);
+    if (key == "bump" || text::equalsIgnoringCase(key, "map_Bump")) return readMap(words.rest(), m.bumpMap);
     for (const std::string_view kind : otherMaps)
-        if (text::equalsIgnoringCase(key == "bump" ? "map_Bump" : key, kind)) m.otherMaps.insert(kind);
+        if (text::equalsIgnoringCase(key, kind)) m.otherMaps.insert(kind);
     return true;
 }
 

@@ -8,6 +8,9 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace raig {
 
 namespace {
@@ -17,6 +20,18 @@ namespace fs = std::filesystem;
 constexpr size_t largestFile = size_t{256} << 20;
 /// 48 pictures of 2048 x 2048 have more: what a few small files could ask for has to end somewhere.
 constexpr uint64_t mostJointTexels = 200'000'000;
+
+/// True if nine of ten texels are unit vectors, and not grey.
+bool showsNormals(const Texels& picture) {
+    size_t normals = 0;
+    for (size_t i = 0; i < picture.rgba.size(); i += 4) {
+        const uint8_t* texel = &picture.rgba[i];
+        const auto [least, most] = std::minmax({texel[0], texel[1], texel[2]});
+        const vec3 n = vec3(texel[0], texel[1], texel[2]) / 127.5f - 1.0f;
+        normals += most - least >= 16 && n.z >= 0.0f && std::abs(glm::length(n) - 1.0f) < 0.15f;
+    }
+    return 10 * normals >= 9 * (picture.rgba.size() / 4);
+}
 
 }  // namespace
 
@@ -39,8 +54,7 @@ void MtlMaps::addTextures(const MtlMaterial& stated, const fs::path& library, Ma
     if (material.emission != vec3(0.0f)) material.emissionTexture = textureFor(library, stated.keMap);
     // Ke is 1 for a picture's sake: where there is none to be had, nothing glows.
     if (!stated.ke && !material.emissionTexture) material.emission = vec3(0.0f);
-    material.normalTexture = textureFor(library, stated.normMap);
-    material.normalScale = stated.normMap.strength;
+    material.normalTexture = normalTexture(stated, library, material);
     leftOut_.insert(stated.otherMaps.begin(), stated.otherMaps.end());
 }
 
@@ -63,6 +77,21 @@ std::optional<Texture> MtlMaps::colorTexture(const MtlMaterial& stated, const fs
     const Texture placed = textureOf(stated.kdMap, *joint);
     if (placed != textureOf(stated.dMap, *joint)) say("map_d is placed as map_Kd is, whose options differ");
     return placed;
+}
+
+/// That of norm, else of map_Bump where its picture shows normals.
+std::optional<Texture> MtlMaps::normalTexture(const MtlMaterial& stated, const fs::path& library, Material& material) {
+    const bool isBump = stated.normMap.isNone();
+    const MtlMap& map = isBump ? stated.bumpMap : stated.normMap;
+    Picture* picture = find(library, map);
+    if (!picture) return std::nullopt;
+    if (isBump && !picture->showsNormals) picture->showsNormals = showsNormals(texelsOf(*picture));
+    if (isBump && !*picture->showsNormals) {
+        leftOut_.insert("map_Bump of heights");
+        return std::nullopt;
+    }
+    material.normalScale = map.strength;
+    return textureOf(map, place(*picture));
 }
 
 /// The image that has the one's colours and the other's opacity; nothing where that is opaque throughout, or too much.
@@ -111,7 +140,8 @@ MtlMaps::Picture* MtlMaps::find(const fs::path& library, const MtlMap& map) {
 
 std::optional<MtlMaps::Picture> MtlMaps::load(const fs::path& path) {
     try {
-        Picture picture{decodeImage(readFile(path, largestFile), path), std::nullopt};
+        Picture picture;
+        picture.texels = decodeImage(readFile(path, largestFile), path);
         picture.hasAlpha = hasAlpha(picture.texels);
         return picture;
     } catch (const Error& error) {

@@ -33,6 +33,7 @@ private:
         Texels texels;
         std::optional<uint32_t> image;
         bool hasAlpha = false;
+        std::optional<bool> showsNormals;  ///< once it is known
     };
     using Joint = std::tuple<const Picture*, const Picture*, char>;  ///< colour (or null), opacity and its channel
 
@@ -42,6 +43,8 @@ private:
     uint32_t place(Picture& picture);
     std::optional<Texture> textureFor(const std::filesystem::path& library, const MtlMap& map);
     std::optional<Texture> colorTexture(const MtlMaterial& stated, const std::filesystem::path& library, Material& material);
+    std::optional<Texture> normalTexture(const MtlMaterial& stated, const std::filesystem::path& library,
+                                         Material& material);
     std::optional<uint32_t> join(const Joint& joint);
     std::optional<uint32_t> makeJoint(const Joint& joint);
     void say(const std::string& remark);

@@ -27,8 +27,9 @@
 ///               of map_Kd's picture, or of a white one, and so is looked up by map_Kd's options; where sizes differ, the
 ///               smaller one is resampled. Glass by illum stays glass.
 ///     norm      bends the normal as glTF's normal textures do, its x and y multiplied by -bm
-/// Others are left out with a remark, as is map_Bump: some exporters write heights there, some normals; of map_Ka there is
-/// none, as Ka has no meaning here.
+///     map_Bump  (or bump) without norm, as norm where its picture is one of normals: exporters write these there, too. Nine
+///               of ten texels must then be unit vectors, and not grey. Heights are left out
+/// Others are left out with a remark; of map_Ka there is none, as Ka has no meaning here.
 /// They repeat, or with -clamp on their edges go on; -s and -o place them at scale (u, v) + offset of the coordinates as OBJ
 /// counts them. Other options are skipped.
 #pragma once
@@ -62,7 +63,7 @@ struct MtlMaterial {
     std::optional<vec3> kd, ks, ke, tf;
     std::optional<float> ns, opacity, ni;
     std::optional<int> illum;
-    MtlMap kdMap, keMap, dMap, normMap;
+    MtlMap kdMap, keMap, dMap, normMap, bumpMap;
     std::set<std::string_view> otherMaps;  ///< the kinds of those that are not read
 };
 
