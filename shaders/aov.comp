@@ -1,5 +1,5 @@
 #version 450
-// Describes what the rays of a tile's pixels have met first: one slot an invocation.
+// Describes what the rays of a tile's pixels have met, and lets them pass what is not there: one slot an invocation.
 #extension GL_GOOGLE_include_directive : require
 
 #include "frame_buffers.glsl"

@@ -3,6 +3,7 @@
 #include "support/program.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -38,8 +39,8 @@ protected:
     }
     ~AovFiles() override { fs::remove_all(folder); }
 
-    ProgramResult render(const std::string& output, const Arguments& more) const {
-        Arguments arguments = {"render", spheres, "-o", (folder / output).string(), "--size", "80x60", "--device",
+    ProgramResult render(const std::string& output, const Arguments& more, const std::string& scene = spheres) const {
+        Arguments arguments = {"render", scene,   "-o", (folder / output).string(), "--size", "80x60", "--device",
                                "cpu",    "--spp", "2"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         return runProgram(RAIG_PROGRAM, arguments);
@@ -200,6 +201,31 @@ TEST_F(AovFiles, IdsAreSeenInOneColourEach) {
         }
     }
     EXPECT_EQ(colours.at(0xffffffffu), std::vector<float>(3, 0.0f));
+}
+
+// The mirror ball: with less than half of it there, what is behind it is told of.
+TEST_F(AovFiles, AreOfWhatIsThereByHalf) {
+    constexpr uint32_t ball = 4;  // its material
+    std::ifstream file(spheres);
+    nlohmann::json scene = nlohmann::json::parse(file);
+    const auto aovsWith = [&](const std::string& name, float alpha) {
+        scene["materials"][ball]["alphaMode"] = "BLEND";
+        scene["materials"][ball]["pbrMetallicRoughness"]["baseColorFactor"][3] = alpha;
+        const fs::path path = folder / (name + ".gltf");
+        std::ofstream(path) << scene;
+        EXPECT_EQ(render(name + ".exr", {"--aov", "depth,material"}, path).exitCode, 0);
+        return Channels(folder / (name + ".exr"));
+    };
+    const Channels whole = aovsWith("whole", 1.0f), most = aovsWith("most", 0.7f), few = aovsWith("few", 0.3f);
+    size_t seen = 0;
+    for (size_t i = 0; i < pixels; ++i) {
+        const bool isBall = whole.of.at("material.ID")[i] == ball;
+        EXPECT_EQ(few.of.at("material.ID")[i] != whole.of.at("material.ID")[i], isBall) << i;
+        EXPECT_EQ(few.number("depth.Z", i) > whole.number("depth.Z", i), isBall) << i;
+        seen += isBall;
+    }
+    EXPECT_GT(seen, 100u);
+    for (const char* name : {"depth.Z", "material.ID"}) EXPECT_EQ(most.of.at(name), whole.of.at(name)) << name;
 }
 
 /// One line of error, nothing written.

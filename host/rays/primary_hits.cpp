@@ -51,15 +51,21 @@ PrimaryHits findPrimaryHits(const Scene& scene, const Geometry& geometry, Tracer
     kernels.primaryHits = found.data();
     kernels.scene = tiles.data.elements;
     tiles.forEach([&](const TileStep& step) {
-        kernels.now = step;
-        const auto each = [&](auto kernel) {
+        const auto each = [&](auto kernel, const TileStep& now) {
+            kernels.now = now;
+            kernels.counted = 0;
             parallelFor(step.count, 256, [&](size_t begin, size_t end) {
                 for (size_t i = begin; i < end; ++i) (kernels.*kernel)(static_cast<uint32_t>(i));
             });
         };
-        each(&FrameKernels::begin);
-        tracer.trace(std::span(rays).first(step.count), std::span(hits).first(step.count), Query::closest);
-        each(&FrameKernels::findPrimaryHit);
+        const auto trace = [&] {
+            tracer.trace(std::span(rays).first(step.count), std::span(hits).first(step.count), Query::closest);
+        };
+        each(&FrameKernels::begin, step);
+        tiles.find(step, trace, [&](const TileStep& now) {
+            each(&FrameKernels::findPrimaryHit, now);
+            return kernels.counted;
+        });
         tiles.take(std::span(found).first(step.count));
     });
     return std::move(tiles.hits);

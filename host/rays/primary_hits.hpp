@@ -13,6 +13,10 @@ using shared::PrimaryHit;
 /// order, then its spheres; `instance` and `material` are indices into Scene::instances and Scene::materials. Where nothing
 /// is hit depth is infinite, these three are NO_HIT, all else is 0. Without texture coordinates in the scene u and v are the
 /// hit's own.
+///
+/// Surfaces that let rays pass by their alpha are hit where at least half of them is there (where they are cut out, all or
+/// nothing is), as the picture sees them; else what is behind them is, past MOST_PASSES of them at most, then nothing. Depth
+/// is from where the ray starts all the same.
 struct PrimaryHits {
     uint32_t width = 0;
     uint32_t height = 0;
@@ -23,7 +27,8 @@ struct PrimaryHits {
 ///
 /// Requires  what renderPicture requires of scene, geometry, tracer and options.
 /// Ensures   the same bits whatever the number of threads, and from every device whose arithmetic is IEEE 754's.
-/// Cost      one ray a pixel, packing the scene as renderPicture does, and 64 bytes a pixel.
+/// Cost      one ray a pixel, and one more for each surface that it passes; packing the scene as renderPicture does, and 64
+///           bytes a pixel.
 PrimaryHits findPrimaryHits(const Scene& scene, const Geometry& geometry, Tracer& tracer, const FrameOptions& options);
 
 /// On a device, which `tracer` traces on.

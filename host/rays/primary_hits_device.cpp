@@ -37,12 +37,12 @@ PrimaryHits findPrimaryHits(Device& device, const Scene& scene, const Geometry& 
     const BigArray elements(device, std::as_bytes(std::span(tiles.data.elements)));
     tiles.data.elements = {};
     const uint64_t slots = tiles.data.params.slots;
-    Buffer frame(device, sizeof(FrameParams)), list(device, slots * sizeof(uint32_t)),
+    Buffer frame(device, sizeof(FrameParams)), counter(device, sizeof(uint32_t)), list(device, slots * sizeof(uint32_t)),
         states(device, slots * sizeof(PathState)), rays(device, slots * sizeof(Ray)), hits(device, slots * sizeof(Hit)),
         found(device, slots * sizeof(PrimaryHit));
     frame.uploadValues(std::span<const FrameParams>(&tiles.data.params, 1));
-    const std::initializer_list<std::pair<uint32_t, const Buffer*>> buffers = {{0, &frame}, {2, &list}, {3, &states},
-                                                                               {4, &rays},  {5, &hits}, {12, &found}};
+    const std::initializer_list<std::pair<uint32_t, const Buffer*>> buffers = {
+        {0, &frame}, {1, &counter}, {2, &list}, {3, &states}, {4, &rays}, {5, &hits}, {12, &found}};
     Kernel begin = makeKernel(device, "begin", tiles.data, elements, buffers);
     Kernel describe = makeKernel(device, "aov", tiles.data, elements, buffers);
     Commands commands(device);
@@ -51,9 +51,13 @@ PrimaryHits findPrimaryHits(Device& device, const Scene& scene, const Geometry& 
         const uint32_t groups = (step.count + groupSize - 1) / groupSize;
         commands.dispatch(begin, {.x = groups}, step);
         commands.run();
-        tracer.traceBuffers(rays, hits, step.count, Query::closest, false);
-        commands.dispatch(describe, {.x = groups}, step);
-        commands.run();
+        const auto trace = [&] { tracer.traceBuffers(rays, hits, step.count, Query::closest, false); };
+        tiles.find(step, trace, [&](const TileStep& now) {
+            if (tiles.passes()) commands.fill(counter, 0);
+            commands.dispatch(describe, {.x = groups}, now);
+            commands.run();
+            return tiles.passes() ? counter.downloadValues<uint32_t>().front() : 0;
+        });
         tile.resize(step.count);
         found.download(std::as_writable_bytes(std::span(tile)));
         tiles.take(tile);

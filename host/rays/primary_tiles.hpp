@@ -22,6 +22,21 @@ struct PrimaryTiles {
         }
     }
 
+    /// Has a tile's primary hits found. `trace()` traces its rays; `describe(step)` runs findPrimaryHit, and returns how
+    /// many go on. Both are called once, and, where surfaces let rays pass by their alpha, until no ray goes on.
+    template <class Trace, class Describe>
+    void find(shared::TileStep step, const Trace& trace, const Describe& describe) const {
+        uint32_t goOn = step.count;
+        for (uint32_t passed = 0; goOn > 0 && passed <= shared::MOST_PASSES; ++passed) {
+            step.compacts = passed == shared::MOST_PASSES ? 1 : 0;
+            trace();
+            goOn = describe(step);
+        }
+    }
+
+    /// Whether rays pass surfaces at all.
+    bool passes() const { return (data.features & shared::FEATURE_COVERAGE) != 0; }
+
     /// Puts a tile's hits where their pixels are. Their ids are global until then.
     void take(std::span<const PrimaryHit> tile);
 
