@@ -58,7 +58,8 @@ vec4 lookUp(Look look, uint texture_, bool encoded) {
 
 // Where u of a normal texture grows on the triangle, unit length or zero, and 1 or -1: times the cross product of the normal
 // (that of the corners' order) and it, where the texture's y grows, which is upwards, against v. From the vertices where all
-// have tangents, else from the triangle's texture coordinates. `dv`s are those of the transformed coordinates.
+// have tangents, else from the triangle's texture coordinates. uv1 and uv2 lead from its first corner to the
+// others in transformed texture coordinates.
 vec4 tangentAt(Facet facet, Corners corners, vec3 b, vec2 uv1, vec2 uv2) {
     if ((FEATURES & FEATURE_TANGENTS) != 0u) {
         uvec4 stored0 = scene_at(vertexElement(facet.triangle.x) + 2u);

@@ -134,6 +134,11 @@ TEST_F(AnimationCommand, AFrameWithoutAPlaceIsToldOfBeforeTheFirst) {
     EXPECT_EQ(result.exitCode, 3);
     EXPECT_NE(result.errors.find("out.0003.pfm: cannot be written: it is a folder"), std::string::npos) << result.errors;
     EXPECT_FALSE(std::filesystem::exists(folder.path / "out.0002.pfm"));
+    std::filesystem::create_directory(folder.path / "out.0001.depth.exr");
+    const ProgramResult beside =
+        run({"render", scene, "-o", out, "--size", "8x8", "--frames", "0:1", "--aov", "depth"});
+    EXPECT_NE(beside.errors.find("out.0001.depth.exr: cannot be written"), std::string::npos) << beside.errors;
+    EXPECT_FALSE(std::filesystem::exists(folder.path / "out.0000.pfm"));
 }
 
 }  // namespace

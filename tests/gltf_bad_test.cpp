@@ -253,6 +253,22 @@ TEST(BadGltf, WhatIsBrokenIsNamed) {
     }
 }
 
+// Products of what is beyond would overflow in the look-up.
+TEST(BadGltf, TexturesArePlacedByNumbersThatFloatsCanLookUp) {
+    const auto assetWith = [](const json& info, float uv) {
+        GltfAsset asset = richAsset();
+        asset.json["images"] = {{{"uri", "none.png"}}};
+        asset.json["textures"] = {{{"source", 0}}};
+        asset.json["materials"][0]["normalTexture"] = info;
+        const int uvs = asset.floats(std::vector<float>(8, uv), "VEC2");
+        asset.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = uvs;
+        return asset;
+    };
+    const json strong = {{"index", 0}, {"scale", 1e20}};
+    EXPECT_NE(refusal(assetWith(strong, 1.0f)).find("#/materials/0/normalTexture/scale: is beyond"), std::string::npos);
+    EXPECT_EQ(refusal(assetWith({{"index", 0}, {"scale", -1e5}}, 1e30f)), "") << "the coordinates count as 0";
+}
+
 TEST(BadGltf, CyclesAreFoundOutsideTheSceneToo) {
     GltfAsset asset = richAsset();
     asset.node({{"children", {4}}}), asset.node({{"children", {3}}});

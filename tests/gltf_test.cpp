@@ -370,6 +370,22 @@ TEST(Gltf, EachTextureKeepsItsTransformAndSetOfCoordinates) {
     EXPECT_TRUE(hasRemark(scene, "two sets"));
 }
 
+TEST(Gltf, ATransformBeyondWhatFloatsCanLookUpIsRefused) {
+    for (const char* number : {"offset", "scale"}) {
+        GltfAsset asset;
+        asset.json["images"] = {{{"uri", twoTexels}}};
+        asset.json["textures"] = {{{"source", 0}}};
+        const json info = {{"index", 0}, {"extensions", {{"KHR_texture_transform", {{number, {1, 1e10}}}}}}};
+        asset.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", info}}}}};
+        try {
+            asset.load();
+            ADD_FAILURE() << number << " is taken";
+        } catch (const Error& error) {
+            EXPECT_NE(std::string(error.what()).find("/baseColorTexture: its texture transform"), std::string::npos);
+        }
+    }
+}
+
 TEST(Gltf, AnImageThatCannotBeUsedIsOnlyARemark) {
     for (const std::string uri : {"absent.png", "../outside.png", "data:image/png;base64,AAAA", "data:image/webp,junk"}) {
         GltfAsset asset;

@@ -11,8 +11,6 @@ using namespace test;
 class TexturedPaths : public Paths {};
 INSTANTIATE_TEST_SUITE_P(, TexturedPaths, testing::Values("cpu", "reference"), testName);
 
-constexpr double formFactor = 0.200044;  // of unit squares that share a side
-
 /// What lampOnFloor's floor shows on the average.
 constexpr double whole = 0.5 * 3.0 * formFactor;
 

@@ -32,10 +32,10 @@ void addIntegratorOptions(CLI::App& command, Options& options) {
             fmt::format("how light is followed: {} (default: whitted)", fmt::join(integratorNames, ", ")))
         ->type_name("NAME");
     const auto parseDistance = [&options](const std::string& text) {
-        const auto rounded = static_cast<float>(numberOf<double>(text).value_or(0.0));
-        if (!(rounded > 0.0f))
+        const std::optional<float> distance = numberOf<float>(text);
+        if (!distance || !(*distance > 0.0f))
             throw usageError("--ao-distance {}: a distance above 0 is wanted, in the scene's units, or inf", text);
-        options.aoDistance = rounded;
+        options.aoDistance = *distance;
     };
     command
         .add_option_function<std::string>("--ao-distance", parseDistance,

@@ -14,7 +14,7 @@ class Option;
 
 namespace raig {
 
-/// The whole text as one number, or nothing. No blanks, no plus sign, no trailing characters. NaN and infinities are numbers.
+/// The whole text as one number, or nothing. No blanks, plus sign or trailing characters. NaN and infinities are numbers.
 template <class Number>
 std::optional<Number> numberOf(std::string_view text) {
     Number value{};
@@ -23,7 +23,7 @@ std::optional<Number> numberOf(std::string_view text) {
     return value;
 }
 
-/// The text as a number from `low` to `high`, or nothing.
+/// The text as a whole number from `low` to `high`, or nothing.
 std::optional<uint32_t> wholeNumber(std::string_view text, uint32_t low, uint32_t high);
 
 /// An option that takes a number from `low` to `high`; it throws usageError for anything else.

@@ -72,18 +72,26 @@ void checkFilesDiffer(const Options& options) {
     }
 }
 
+void checkFrames(const Options& options) {
+    if (!options.frames) return;
+    Options each = options;
+    for (uint32_t frame = options.frames->first; frame <= options.frames->last; ++frame) {
+        each.output = fileOf(options.output, frame);
+        checkIsNoFolder(each.output);
+        for (const std::filesystem::path& file : aovFiles(each)) checkIsNoFolder(file);
+    }
+}
+
 }  // namespace
 
 void checkWrittenFiles(const Options& options) {
     checkFilesDiffer(options);
     checkFolderOf(options.output);
-    if (const auto& frames = options.frames)
-        for (uint32_t frame = frames->first; frame <= frames->last; ++frame)
-            checkIsNoFolder(fileOf(options.output, frame));
     for (const std::filesystem::path& file : aovFiles(options)) checkFolderOf(file);
     checkFolderOf(options.hits);
     checkFolderOf(options.saveStructure);
     checkFolderOf(options.junit, options.folder);
+    checkFrames(options);
 }
 
 }  // namespace raig

@@ -46,7 +46,7 @@ public:
         return frame_ ? frame_->render(options) : renderPicture(scene_.scene(), scene_.geometry(), *onCpu_, options);
     }
 
-    /// With `samples` a pixel; the latest few are kept.
+    /// With `samples` a pixel; kept until the scene is forgotten.
     const reference::Picture& reference(Integrator integrator, uint32_t side, uint32_t samples,
                                         const reference::Bounds& bounds) {
         const auto key = std::tuple(integrator, side, samples, bounds.maxDepth, bounds.minContribution, bounds.seed);
@@ -210,7 +210,7 @@ public:
     }
 
 private:
-    /// How far the reference follows rays, and by which numbers. Noise is measured against other numbers, all else being the
+    /// How far the reference follows rays, and by which random numbers. Noise is measured against others, all else being the
     /// picture's, so that nothing else differs. What bounds leave out is measured against rays that go on while they matter,
     /// by the same numbers, so that noise cancels.
     static reference::Bounds referenceBounds(const FrameOptions& frame, bool comparesNoise) {

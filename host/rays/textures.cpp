@@ -151,7 +151,7 @@ std::vector<uvec4> packTextures(const Scene& scene, const TextureList& list) {
 
 std::vector<uvec4> decodingTable() {
     std::array<float, 256> values{};
-    for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(decodeSrgb(static_cast<double>(i) / 255.0));
+    for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(linearFromSrgb(static_cast<double>(i) / 255.0));
     std::vector<uvec4> elements(64);
     static_assert(sizeof(values) == 64 * sizeof(uvec4));
     std::copy_n(reinterpret_cast<const std::byte*>(values.data()), sizeof(values),

@@ -21,18 +21,19 @@ inline vec3 linearFromSrgb(const vec3& encoded) {
     return {linearFromSrgb(encoded.x), linearFromSrgb(encoded.y), linearFromSrgb(encoded.z)};
 }
 
-/// The same in double precision. Requires 0 <= c <= 1.
-inline double decodeSrgb(double c) {
-    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+/// The same in double precision. Requires 0 <= encoded <= 1.
+inline double linearFromSrgb(double encoded) {
+    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
-/// From bytes to linear light, and back by the values that lie half way between two bytes.
+/// What bytes mean, sRGB if `encoded`, else linear: values[b] is the light of byte b, in [0, 1], and byteOf(light) the byte
+/// that stands nearest to it as it is encoded. What lies outside is clamped.
 struct ByteEncoding {
     explicit ByteEncoding(bool encoded) {
         for (size_t i = 0; i < 256; ++i) {
-            values[i] = encoded ? decodeSrgb(i / 255.0) : i / 255.0;
+            values[i] = encoded ? linearFromSrgb(i / 255.0) : i / 255.0;
             const double middle = (i + 0.5 - 1e-6) / 255.0;  // so that a half, however it was rounded, goes upwards
-            middles[i] = encoded ? decodeSrgb(middle) : middle;
+            middles[i] = encoded ? linearFromSrgb(middle) : middle;
         }
     }
     uint8_t byteOf(double value) const {

@@ -103,7 +103,8 @@ void MaterialReader::readExtensions(const tinygltf::ExtensionMap& extensions, co
     const std::string place = pointer + "/extensions/";
     if (const auto* found = findExtension(extensions, "KHR_materials_emissive_strength")) {
         strength = numberIn(*found, "emissiveStrength", 1.0);
-        amount(strength, place + "KHR_materials_emissive_strength/emissiveStrength");  // throws
+        // Here, so that its fault is not that of the product with emissiveFactor.
+        amount(strength, place + "KHR_materials_emissive_strength/emissiveStrength");
     }
     if (const auto* found = findExtension(extensions, "KHR_materials_ior")) {
         material.ior = amount(numberIn(*found, "ior", 1.5), place + "KHR_materials_ior/ior");
@@ -180,7 +181,8 @@ UvSource MaterialReader::readTextures(const tinygltf::Material& source, const st
     if (source.normalTexture.scale != 0.0) {
         material.normalTexture = readTexture(source.normalTexture, pointer + "/normalTexture", uvSource);
         material.normalScale = static_cast<float>(source.normalTexture.scale);
-        if (!std::isfinite(material.normalScale)) throw errorAt(document_, pointer + "/normalTexture/scale", "is too large");
+        if (!(std::abs(material.normalScale) <= mostNormalScale))
+            throw errorAt(document_, pointer + "/normalTexture/scale", "is beyond {}", mostNormalScale);
         uvSource.hasNormals = material.normalTexture.has_value();
     }
     material.occlusionTexture = readTexture(source.occlusionTexture, pointer + "/occlusionTexture", uvSource);
@@ -241,8 +243,9 @@ void MaterialReader::readTransform(const tinygltf::Value& transform, const std::
     const double angle = numberIn(transform, "rotation", 0.0);
     texture.u = vec3(std::cos(angle) * scale.x, std::sin(angle) * scale.y, offset.x);
     texture.v = vec3(-std::sin(angle) * scale.x, std::cos(angle) * scale.y, offset.y);
-    if (!isFinite(texture.u) || !isFinite(texture.v))
-        throw errorAt(document_, pointer, "its texture transform is not finite");
+    for (int k = 0; k < 3; ++k)
+        if (!isUsableUv({texture.u[k], texture.v[k]}))
+            throw errorAt(document_, pointer, "its texture transform has a number beyond {}", mostUv);
     set = static_cast<int>(numberIn(transform, "texCoord", set));
 }
 

@@ -294,7 +294,7 @@ void MeshReader::addUvs(int accessor, const std::string& pointer, size_t first, 
                .needsNormalized = false},
               pointer + "/attributes/TEXCOORD");
     const std::vector<vec2> read = readVec2(document_, accessor);
-    for (size_t i = 0; i < read.size(); ++i) uvs[first + i] = {finiteOr(read[i].x, 0.0f), finiteOr(read[i].y, 0.0f)};
+    for (size_t i = 0; i < read.size(); ++i) uvs[first + i] = isUsableUv(read[i]) ? read[i] : vec2(0.0f);
 }
 
 void MeshReader::addColors(int accessor, const std::string& pointer, size_t first) {

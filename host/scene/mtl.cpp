@@ -37,21 +37,23 @@ size_t optionArguments(std::string_view option) {
     return 1;
 }
 
-/// Reads one option of a map and what follows it. False if a number that counts is malformed.
+/// Reads one option of a map and what follows it. False if a number that counts is malformed or too large.
 bool readOption(text::Words& words, MtlMap& map) {
     const std::string_view option = words.next();
     vec2* pair = option == "-o" ? &map.offset : option == "-s" ? &map.scale : nullptr;
+    const bool counts = pair || option == "-bm";
+    const float largest = pair ? mostUv / 4.0f : mostNormalScale;  // so that sums for v, turned round, are none too large
     const size_t most = optionArguments(option);
+    const bool mayBeFewer = most == 3;
     for (size_t i = 0; i < most; ++i) {
         text::Words ahead = words;
         const std::string_view argument = ahead.next();
         const auto number = text::parseFloat(argument);
-        if (most == 3 && i > 0 && !number) break;
+        if (mayBeFewer && i > 0 && !number) break;
         if (option == "-clamp") map.clamps = argument == "on";
         if (option == "-imfchan" && argument.size() == 1 && std::string_view("rgbml").find(argument) != argument.npos)
             map.channel = argument.front();
-        const bool counts = pair || option == "-bm";
-        if (counts && !(number && std::isfinite(*number))) return false;
+        if (counts && !(number && std::abs(*number) <= largest)) return false;
         if (pair && i < 2) (*pair)[static_cast<int>(i)] = *number;
         if (option == "-bm") map.strength = *number;
         words = ahead;
@@ -59,7 +61,8 @@ bool readOption(text::Words& words, MtlMap& map) {
     return true;
 }
 
-/// The options, and the file name after them, which may hold blanks. False if the options' numbers are malformed.
+/// The options, and the file name after them, which may hold blanks. False if the options' numbers are malformed or too
+/// large.
 bool readMap(std::string_view arguments, MtlMap& map) {
     MtlMap read;
     text::Words words(arguments);
@@ -71,25 +74,25 @@ bool readMap(std::string_view arguments, MtlMap& map) {
     }
     read.file = words.rest();
     std::ranges::replace(read.file, '\\', '/');
-    const Texture placed = textureOf(read, 0);
-    if (!isFinite(placed.u) || !isFinite(placed.v)) return false;
     map = std::move(read);
     return true;
 }
 
 /// What the kinds of maps that are not read are called in a remark.
-constexpr std::array<std::string_view, 9> otherMaps{"disp",   "decal",  "refl",   "map_Ks", "map_Ns",
-                                                    "map_Pr", "map_Pm", "map_Ps", "map_Tr"};
+constexpr std::array<std::string_view, 9> unreadMaps{"disp",   "decal",  "refl",   "map_Ks", "map_Ns",
+                                                     "map_Pr", "map_Pm", "map_Ps", "map_Tr"};
 
-/// Reads the statement of a map into `m`, if it is one. False if its options' numbers are malformed.
+/// Reads the statement of a map into `m`, if it is one, as upper and lower case are mixed up often. False if its options'
+/// numbers are malformed or too large.
 bool readMapStatement(std::string_view key, text::Words& words, MtlMaterial& m) {
-    if (key == "map_Kd") return readMap(words.rest(), m.kdMap);
-    if (key == "map_Ke") return readMap(words.rest(), m.keMap);
-    if (key == "map_d") return readMap(words.rest(), m.dMap);
-    if (key == "norm") return readMap(words.rest(), m.normMap);
-    if (key == "bump" || text::equalsIgnoringCase(key, "map_Bump")) return readMap(words.rest(), m.bumpMap);
-    for (const std::string_view kind : otherMaps)
-        if (text::equalsIgnoringCase(key, kind)) m.otherMaps.insert(kind);
+    const auto is = [key](std::string_view kind) { return text::equalsIgnoringCase(key, kind); };
+    if (is("map_Kd")) return readMap(words.rest(), m.kdMap);
+    if (is("map_Ke")) return readMap(words.rest(), m.keMap);
+    if (is("map_d")) return readMap(words.rest(), m.dMap);
+    if (is("norm")) return readMap(words.rest(), m.normMap);
+    if (is("bump") || is("map_Bump")) return readMap(words.rest(), m.bumpMap);
+    for (const std::string_view kind : unreadMaps)
+        if (is(kind)) m.otherMaps.insert(kind);
     return true;
 }
 
@@ -153,10 +156,11 @@ Material toMaterial(const MtlMaterial& m) {
     Material material;
     material.name = m.name;
     material.baseColor = kd;
-    material.emission = m.ke.value_or(vec3(m.keMap.isNone() ? 0.0f : 1.0f));
+    material.emission = m.ke.value_or(vec3(0.0f));
     const bool refracts = (illum == 6 || illum == 7) && m.tf && ni > 1.0001f;
-    if (!m.dMap.isNone() && !refracts) material.alpha = opacity;
-    if ((opacity < 1.0f && m.dMap.isNone()) || refracts) {
+    const bool blends = !m.dMap.isNone() && !refracts;
+    if (blends) material.alpha = opacity;
+    if (refracts || (opacity < 1.0f && !blends)) {
         material.transmission = 1.0f;
         material.roughness = 0.0f;
         material.thin = false;

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr size_t largestFile = size_t{256} << 20;
 /// 48 pictures of 2048 x 2048 have more: what a few small files could ask for has to end somewhere.
-constexpr uint64_t mostJointTexels = 200'000'000;
+constexpr uint64_t mostMergedTexels = 200'000'000;
 
 /// True if nine of ten texels are unit vectors, and not grey.
 bool showsNormals(const Texels& picture) {
@@ -51,9 +51,8 @@ Texture textureOf(const MtlMap& map, uint32_t image) {
 
 void MtlMaps::addTextures(const MtlMaterial& stated, const fs::path& library, Material& material) {
     material.baseColorTexture = colorTexture(stated, library, material);
-    if (material.emission != vec3(0.0f)) material.emissionTexture = textureFor(library, stated.keMap);
-    // Ke is 1 for a picture's sake: where there is none to be had, nothing glows.
-    if (!stated.ke && !material.emissionTexture) material.emission = vec3(0.0f);
+    if (!stated.ke || *stated.ke != vec3(0.0f)) material.emissionTexture = textureFor(library, stated.keMap);
+    if (!stated.ke && material.emissionTexture) material.emission = vec3(1.0f);
     material.normalTexture = normalTexture(stated, library, material);
     leftOut_.insert(stated.otherMaps.begin(), stated.otherMaps.end());
 }
@@ -62,20 +61,20 @@ void MtlMaps::addTextures(const MtlMaterial& stated, const fs::path& library, Ma
 std::optional<Texture> MtlMaps::colorTexture(const MtlMaterial& stated, const fs::path& library, Material& material) {
     Picture* color = find(library, stated.kdMap);
     const bool isGlass = material.transmission > 0.0f;
-    if (isGlass && !stated.dMap.isNone()) say("map_d is left out where a material lets light through by itself");
+    if (isGlass && !stated.dMap.isNone()) remarkOnce("map_d is left out where a material lets light through by itself");
     Picture* opacity = isGlass ? nullptr : find(library, stated.dMap);
-    std::optional<uint32_t> joint;
+    std::optional<uint32_t> image;
     if (opacity) {
         const char otherwise = opacity->hasAlpha ? 'm' : 'l';
         const char channel = stated.dMap.channel != 0 ? stated.dMap.channel : otherwise;
         const bool isSame = color == opacity && channel == 'm' && opacity->hasAlpha;
-        joint = isSame ? place(*color) : join({color, opacity, channel});
+        image = isSame ? place(*color) : merged({color, opacity, channel});
     }
-    material.alphaVaries = joint.has_value();
-    if (!joint) return color ? std::optional(textureOf(stated.kdMap, place(*color))) : std::nullopt;
-    if (!color) return textureOf(stated.dMap, *joint);
-    const Texture placed = textureOf(stated.kdMap, *joint);
-    if (placed != textureOf(stated.dMap, *joint)) say("map_d is placed as map_Kd is, whose options differ");
+    material.alphaVaries = image.has_value();
+    if (!image) return color ? std::optional(textureOf(stated.kdMap, place(*color))) : std::nullopt;
+    if (!color) return textureOf(stated.dMap, *image);
+    const Texture placed = textureOf(stated.kdMap, *image);
+    if (placed != textureOf(stated.dMap, *image)) remarkOnce("map_d is placed as map_Kd is, whose options differ");
     return placed;
 }
 
@@ -95,27 +94,27 @@ std::optional<Texture> MtlMaps::normalTexture(const MtlMaterial& stated, const f
 }
 
 /// The image that has the one's colours and the other's opacity; nothing where that is opaque throughout, or too much.
-std::optional<uint32_t> MtlMaps::join(const Joint& joint) {
-    const auto [entry, isNew] = joints_.try_emplace(joint);
-    if (isNew) entry->second = makeJoint(joint);
+std::optional<uint32_t> MtlMaps::merged(const Merge& merge) {
+    const auto [entry, isNew] = merged_.try_emplace(merge);
+    if (isNew) entry->second = makeMerged(merge);
     return entry->second;
 }
 
-std::optional<uint32_t> MtlMaps::makeJoint(const Joint& joint) {
-    const auto [color, opacity, channel] = joint;
+std::optional<uint32_t> MtlMaps::makeMerged(const Merge& merge) {
+    const auto [color, opacity, channel] = merge;
     const Texels* colors = color ? &texelsOf(*color) : nullptr;
     const Opacity values = opacityOf(texelsOf(*opacity), channel);
     if (values.isOpaque()) return std::nullopt;
-    const uvec2 size = jointSize(colors, values);
+    const uvec2 size = mergedSize(colors, values);
     const uint64_t texels = uint64_t{size.x} * size.y;
-    if (jointTexels_ + texels > mostJointTexels) {
-        say(fmt::format("map_d is left out where its pictures, joined with map_Kd's, would have more than {} texels in all",
-                        mostJointTexels));
+    if (mergedTexels_ + texels > mostMergedTexels) {
+        remarkOnce(fmt::format("map_d is left out where its pictures, joined with map_Kd's, would have more than {} texels in "
+                               "all",
+                               mostMergedTexels));
         return std::nullopt;
     }
-    jointTexels_ += texels;
-    Texels made = withOpacity(colors, values);
-    scene_.images.push_back(std::move(made));
+    mergedTexels_ += texels;
+    scene_.images.push_back(withOpacity(colors, values));
     return static_cast<uint32_t>(scene_.images.size() - 1);
 }
 
@@ -129,8 +128,8 @@ MtlMaps::Picture* MtlMaps::find(const fs::path& library, const MtlMap& map) {
     if (map.isNone()) return nullptr;
     const auto inside = pathInside(library.parent_path(), map.file);
     if (!inside) {
-        scene_.remarks.push_back(fmt::format("{}: the image {} lies outside the scene's folder and is not read",
-                                             library.string(), text::quoted(map.file)));
+        remarkOnce(fmt::format("{}: the image {} lies outside the scene's folder and is not read", library.string(),
+                               text::quoted(map.file)));
         return nullptr;
     }
     const auto [entry, isNew] = pictures_.try_emplace(*inside);
@@ -164,11 +163,10 @@ uint32_t MtlMaps::place(Picture& picture) {
 }
 
 void MtlMaps::remarkLeftOut() {
-    if (!leftOut_.empty()) say(fmt::format("maps that are not read are left out: {}", fmt::join(leftOut_, ", ")));
+    if (!leftOut_.empty()) remarkOnce(fmt::format("maps that are not read are left out: {}", fmt::join(leftOut_, ", ")));
 }
 
-/// Once.
-void MtlMaps::say(const std::string& remark) {
+void MtlMaps::remarkOnce(const std::string& remark) {
     if (said_.insert(remark).second) scene_.remarks.push_back(remark);
 }
 

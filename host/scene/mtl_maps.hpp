@@ -9,7 +9,8 @@
 
 namespace raig {
 
-/// `name` inside a folder, relative to it as `base` is; nothing if it leads out.
+/// The path of `name`, which is relative to `base`, as seen from the folder that `base` is relative to; nothing if it leads
+/// out of that folder.
 std::optional<std::filesystem::path> pathInside(const std::filesystem::path& base, const std::string& name);
 
 /// The look-up of image `image` that a map's options ask for. OBJ's v counts upwards, a scene's downwards: MTL's
@@ -22,7 +23,9 @@ public:
     /// Keeps a reference to `scene`, to which it adds images and remarks.
     MtlMaps(Scene& scene, std::filesystem::path folder) : scene_(scene), folder_(std::move(folder)) {}
 
-    /// Adds the textures that `stated` names, in a library at `library` inside the folder, to the material made of it.
+    /// Adds the textures that `stated` names, in a library at `library` inside the folder, to `material`: also whether alpha
+    /// varies, the strength of normals, and, under a map_Ke without Ke, the emission. Requires that it is
+    /// toMaterial(stated).
     void addTextures(const MtlMaterial& stated, const std::filesystem::path& library, Material& material);
     /// Names the kinds of maps of all these materials that are not read, in one remark.
     void remarkLeftOut();
@@ -35,7 +38,7 @@ private:
         bool hasAlpha = false;
         std::optional<bool> showsNormals;  ///< once it is known
     };
-    using Joint = std::tuple<const Picture*, const Picture*, char>;  ///< colour (or null), opacity and its channel
+    using Merge = std::tuple<const Picture*, const Picture*, char>;  ///< colour (or null), opacity and its channel
 
     Picture* find(const std::filesystem::path& library, const MtlMap& map);
     std::optional<Picture> load(const std::filesystem::path& path);
@@ -45,15 +48,15 @@ private:
     std::optional<Texture> colorTexture(const MtlMaterial& stated, const std::filesystem::path& library, Material& material);
     std::optional<Texture> normalTexture(const MtlMaterial& stated, const std::filesystem::path& library,
                                          Material& material);
-    std::optional<uint32_t> join(const Joint& joint);
-    std::optional<uint32_t> makeJoint(const Joint& joint);
-    void say(const std::string& remark);
+    std::optional<uint32_t> merged(const Merge& merge);
+    std::optional<uint32_t> makeMerged(const Merge& merge);
+    void remarkOnce(const std::string& remark);
 
     Scene& scene_;
     std::filesystem::path folder_;
     std::map<std::filesystem::path, std::optional<Picture>> pictures_;
-    std::map<Joint, std::optional<uint32_t>> joints_;
-    uint64_t jointTexels_ = 0;
+    std::map<Merge, std::optional<uint32_t>> merged_;
+    uint64_t mergedTexels_ = 0;
     std::set<std::string> said_;
     std::set<std::string_view> leftOut_;
 };

@@ -10,14 +10,14 @@ namespace raig {
 
 namespace {
 
-/// Between which two texels a texel of the larger picture lies, along one axis, and how near the second one.
-struct Between {
+/// Taps which two texels a texel of the larger picture lies, along one axis, and how near the second one.
+struct Taps {
     uint32_t first, second;
     double share;
 };
 
-std::vector<Between> betweens(uint32_t from, uint32_t to) {
-    std::vector<Between> all(to);
+std::vector<Taps> linearTaps(uint32_t from, uint32_t to) {
+    std::vector<Taps> all(to);
     for (uint32_t i = 0; i < to; ++i) {
         const double at = std::clamp((i + 0.5) * from / to - 0.5, 0.0, from - 1.0);
         const auto first = static_cast<uint32_t>(at);
@@ -27,19 +27,19 @@ std::vector<Between> betweens(uint32_t from, uint32_t to) {
 }
 
 /// Bytes of a picture of `width` x `height`, looked up as if it had another size: `byteOf(texel)` are those that it has.
-class Resized {
+class Resampled {
 public:
-    Resized(uint32_t width, uint32_t height, const uvec2& size, const ByteEncoding& encoding)
+    Resampled(uint32_t width, uint32_t height, const uvec2& size, const ByteEncoding& encoding)
         : width_(width),
           keeps_(size == uvec2(width, height)),
-          columns_(betweens(width, size.x)),
-          rows_(betweens(height, size.y)),
+          columns_(linearTaps(width, size.x)),
+          rows_(linearTaps(height, size.y)),
           encoding_(encoding) {}
 
     template <class ByteOf>
     uint8_t at(size_t x, size_t y, const ByteOf& byteOf) const {
         if (keeps_) return byteOf(y * width_ + x);
-        const Between &column = columns_[x], &row = rows_[y];
+        const Taps &column = columns_[x], &row = rows_[y];
         const auto along = [&](size_t rowAt) {
             const double first = encoding_.values[byteOf(rowAt * width_ + column.first)];
             return std::lerp(first, encoding_.values[byteOf(rowAt * width_ + column.second)], column.share);
@@ -50,7 +50,7 @@ public:
 private:
     size_t width_;
     bool keeps_;
-    std::vector<Between> columns_, rows_;
+    std::vector<Taps> columns_, rows_;
     const ByteEncoding& encoding_;
 };
 
@@ -80,27 +80,27 @@ Opacity opacityOf(const Texels& picture, char channel) {
     return opacity;
 }
 
-uvec2 jointSize(const Texels* color, const Opacity& opacity) {
+uvec2 mergedSize(const Texels* color, const Opacity& opacity) {
     const uvec2 size(opacity.width, opacity.height);
     return color ? glm::max(size, uvec2(color->width, color->height)) : size;
 }
 
 Texels withOpacity(const Texels* color, const Opacity& opacity) {
-    const uvec2 size = jointSize(color, opacity);
+    const uvec2 size = mergedSize(color, opacity);
     const ByteEncoding encoded(true), plain(false);
-    const Resized colors(color ? color->width : 1, color ? color->height : 1, size, encoded);
-    const Resized alphas(opacity.width, opacity.height, size, plain);
-    Texels joint{size.x, size.y, std::vector<uint8_t>(size_t{4} * size.x * size.y, 255)};
+    const Resampled colors(color ? color->width : 1, color ? color->height : 1, size, encoded);
+    const Resampled alphas(opacity.width, opacity.height, size, plain);
+    Texels merged{size.x, size.y, std::vector<uint8_t>(size_t{4} * size.x * size.y, 255)};
     parallelFor(size.y, std::max<size_t>(1, 16384 / size.x), [&](size_t begin, size_t end) {
         for (size_t y = begin; y < end; ++y)
             for (size_t x = 0; x < size.x; ++x) {
-                uint8_t* texel = &joint.rgba[4 * (y * size.x + x)];
+                uint8_t* texel = &merged.rgba[4 * (y * size.x + x)];
                 for (size_t k = 0; color && k < 3; ++k)
                     texel[k] = colors.at(x, y, [&](size_t i) { return color->rgba[4 * i + k]; });
                 texel[3] = alphas.at(x, y, [&](size_t i) { return opacity.values[i]; });
             }
     });
-    return joint;
+    return merged;
 }
 
 }  // namespace raig

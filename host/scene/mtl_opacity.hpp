@@ -21,10 +21,10 @@ bool hasAlpha(const Texels& picture);
 Opacity opacityOf(const Texels& picture, char channel);
 
 /// The size that withOpacity gives: of each side the longer one.
-uvec2 jointSize(const Texels* color, const Opacity& opacity);
+uvec2 mergedSize(const Texels* color, const Opacity& opacity);
 
-/// The colours of `color`, white where it is null, with that alpha. What is smaller than the joint size is resampled to it,
-/// linearly between texel centres, colours in linear light; what is not keeps its bytes. Cost O(texels of the joint size).
+/// The colours of `color`, white where it is null, with that alpha. What is smaller than the merged size is resampled to it,
+/// linearly between texel centres, colours in linear light; what is not keeps its bytes. Cost O(texels of the merged size).
 Texels withOpacity(const Texels* color, const Opacity& opacity);
 
 }  // namespace raig

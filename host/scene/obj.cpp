@@ -243,9 +243,8 @@ bool Welder::fill(Mesh& mesh) const {
             mesh.colors.push_back(corner[position] < s_.colors.size() ? s_.colors[corner[position]] : vec3(1.0f));
         if (anyUv) {
             const vec2 at = corner[uv] == absent ? vec2(0.0f) : s_.uvs[corner[uv]];
-            const bool sound = std::isfinite(at.x) && std::isfinite(at.y);
-            replaced |= !sound;
-            mesh.uvs.push_back(sound ? at : vec2(0.0f));
+            replaced |= !isUsableUv(at);
+            mesh.uvs.push_back(isUsableUv(at) ? at : vec2(0.0f));
         }
         if (anyNormal) {
             const dvec3 n = corner[normal] == absent ? dvec3(0.0) : dvec3(s_.normals[corner[normal]]);

@@ -5,17 +5,16 @@
 /// count, in file order. Other statements are left out with a remark. Polygons are fanned from their first corner.
 ///
 /// MTL (Kd the diffuse and Ks the specular colour, Ns the exponent, d the opacity, Tf the filter, Ni the index):
-///     glass     d < 1, or illum 6 or 7 with Tf and Ni > 1.0001: transmission 1, roughness 0, not thin, ior Ni (1.5 if Ni
-///     <= 1.0001),
-///               baseColor Tf if given, else 1 - d (1 - Kd): the less opaque, the whiter
+///     glass     d < 1 without map_d, or illum 6 or 7 with Tf and Ni > 1.0001: transmission 1, roughness 0, not thin,
+///               ior Ni (1.5 if Ni <= 1.0001), baseColor Tf if given, else 1 - d (1 - Kd): the less opaque, the whiter
 ///     mirror    illum 3, 5 or 8 with Ks > 0: baseColor Kd + Ks (at most 1) and metallic Y(Ks) / Y(Kd + Ks), Y the
 ///               luminance, so that surfaceOf gives back a mirror of about Ks and a diffuse part of about Kd; roughness
 ///               sqrt(2 / (Ns + 2)), 0 without Ns: what a ray is traced for is meant to be sharp
-///     shine     illum 2 and others with Ks > 0 and Ns: baseColor Kd; a lobe as wide as Phong's, roughness^2 = sqrt(2 / (Ns
-///               + 2)) [Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces"], but roughness at
-///               least 0.5, as exporters write a highlight for nearly everything, and few of those are mirrors; and the
-///               index of what reflects 0.08 Y(Ks) along its normal, as Phong's lobes have no energy to go by, and exporters
-///               write 0.5 for what reflects 0.04
+///     shine     illum 2 and others with Ks > 0 and Ns: baseColor Kd; a lobe as wide as Phong's, roughness^2 =
+///               sqrt(2 / (Ns + 2)) [Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces"], but
+///               roughness at least 0.5, as exporters write a highlight for nearly everything, and few of those are
+///               mirrors; and the index of what reflects 0.08 Y(Ks) along its normal, as Phong's lobes have no energy to go
+///               by, and exporters write 0.5 for what reflects 0.04
 ///     the rest  baseColor Kd, diffuse (roughness 1)
 /// emission is Ke. Kd is 0.8 where it is not given, 1 under a map.
 ///
@@ -24,14 +23,16 @@
 ///     map_Ke    multiplies Ke, which is 1 where it is not given under a map that can be read
 ///     map_d     is coverage, times d: what d < 1 makes glass without it blends. It is the channel that -imfchan names (r,
 ///               g, b, m alpha, l luminance), else alpha, if any of it is less than 1, else luminance. It becomes the alpha
-///               of map_Kd's picture, or of a white one, and so is looked up by map_Kd's options; where sizes differ, the
-///               smaller one is resampled. Glass by illum stays glass.
+///               of map_Kd's picture, looked up by map_Kd's options, or without one of a white picture, by its own; of each
+///               side the longer one counts, and what is smaller is resampled. Glass by illum stays glass: there map_d is
+///               left out with a remark
 ///     norm      bends the normal as glTF's normal textures do, its x and y multiplied by -bm
 ///     map_Bump  (or bump) without norm, as norm where its picture is one of normals: exporters write these there, too. Nine
-///               of ten texels must then be unit vectors, and not grey. Heights are left out
-/// Others are left out with a remark; of map_Ka there is none, as Ka has no meaning here.
-/// They repeat, or with -clamp on their edges go on; -s and -o place them at scale (u, v) + offset of the coordinates as OBJ
-/// counts them. Other options are skipped.
+///               of ten texels must then be unit vectors, and not grey. Heights are left out with a remark
+/// disp, decal, refl, map_Ks, map_Ns, map_Pr, map_Pm, map_Ps and map_Tr are left out with one remark, all else in silence;
+/// map_Ka has no meaning here. Maps that are read repeat; with -clamp on their edge texels go on. -s and -o place them at
+/// scale (u, v) + offset of the coordinates as OBJ counts them. Other options are skipped; a map whose options' numbers are
+/// malformed, or beyond what scene.hpp allows, is left out with its line.
 #pragma once
 
 #include "scene/scene.hpp"
@@ -51,7 +52,7 @@ struct MtlMap {
     bool clamps = false;
     vec2 scale{1.0f};       ///< -s
     vec2 offset{0.0f};      ///< -o
-    float strength = 1.0f;  ///< -bm
+    float strength = 1.0f;  ///< -bm: multiplies x and y of normals
     char channel = 0;       ///< -imfchan: r, g, b, m or l; 0 where none of these is stated
 
     bool isNone() const { return file.empty(); }
@@ -64,7 +65,7 @@ struct MtlMaterial {
     std::optional<float> ns, opacity, ni;
     std::optional<int> illum;
     MtlMap kdMap, keMap, dMap, normMap, bumpMap;
-    std::set<std::string_view> otherMaps;  ///< the kinds of those that are not read
+    std::set<std::string_view> otherMaps;  ///< the kinds of those that are not read, as views of constants
 };
 
 /// Reads an MTL library. Statements with malformed numbers are left out, each with a remark that begins with "place:line".

@@ -226,7 +226,7 @@ private:
 
     void addUv(const dvec2& at) {
         const vec2 rounded(at);
-        mesh_.uvs.push_back(std::isfinite(rounded.x) && std::isfinite(rounded.y) ? rounded : vec2(0.0f));
+        mesh_.uvs.push_back(isUsableUv(rounded) ? rounded : vec2(0.0f));
     }
 
     void readFaces(const Element& element) {

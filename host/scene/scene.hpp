@@ -23,6 +23,16 @@ struct Texels {
 
 enum class Wrap : uint32_t { repeat = 0, clamp = 1, mirror = 2 };
 
+/// What texture coordinates, and the numbers of their transforms, are at most, either way. Beyond it floats cannot tell
+/// texels apart, and products of these might overflow.
+constexpr float mostUv = 1e9f;
+/// The same of the strength of a normal texture.
+constexpr float mostNormalScale = 1e6f;
+
+inline bool isUsableUv(const vec2& uv) {
+    return std::abs(uv.x) <= mostUv && std::abs(uv.y) <= mostUv;
+}
+
 /// A look-up of an image: filtered by the footprint of the ray (see shaders/texture.glsl), uv (0, 0) at the top left corner
 /// of the top left texel.
 struct Texture {

@@ -62,10 +62,9 @@ Fault findMeshFault(const Mesh& mesh, size_t materialCount) {
     for (size_t i = 0; i < mesh.normals.size(); ++i)
         if (mesh.normals[i] != vec3(0.0f) && !isUnit(mesh.normals[i])) return fault("normal {} is neither unit nor zero", i);
     for (size_t i = 0; i < mesh.uvs.size(); ++i)
-        if (!std::isfinite(mesh.uvs[i].x) || !std::isfinite(mesh.uvs[i].y)) return fault("uv {} is not finite", i);
+        if (!isUsableUv(mesh.uvs[i])) return fault("uv {} is too large", i);
     for (size_t i = 0; i < mesh.moreUvs.size(); ++i)
-        if (!std::isfinite(mesh.moreUvs[i].x) || !std::isfinite(mesh.moreUvs[i].y))
-            return fault("uv {} of the second set is not finite", i);
+        if (!isUsableUv(mesh.moreUvs[i])) return fault("uv {} of the second set is too large", i);
     for (size_t i = 0; i < mesh.tangents.size(); ++i)
         if (const vec4& t = mesh.tangents[i]; t != vec4(0.0f) && !(isUnit(vec3(t)) && std::abs(t.w) == 1.0f))
             return fault("tangent {} is neither unit, with a w of 1 or -1, nor zero", i);
@@ -90,7 +89,8 @@ Fault findInstanceFault(const Instance& instance, const std::vector<Mesh>& meshe
 Fault findTextureFault(const Texture& texture, size_t imageCount) {
     if (texture.image >= imageCount) return fault("its texture names image {} of {}", texture.image, imageCount);
     if (texture.set > 1) return fault("its texture names set {} of 2", texture.set);
-    if (!isFinite(texture.u) || !isFinite(texture.v)) return fault("its texture's transform is not finite");
+    for (int k = 0; k < 3; ++k)
+        if (!isUsableUv({texture.u[k], texture.v[k]})) return fault("its texture's transform is too large");
     return std::nullopt;
 }
 
@@ -105,7 +105,7 @@ Fault findMaterialFault(const Material& m, size_t imageCount) {
     if (!isFraction(m.roughness)) return fault("roughness is outside [0, 1]");
     if (!isFraction(m.transmission)) return fault("transmission is outside [0, 1]");
     if (!isAmount(m.ior) || m.ior == 0.0f) return fault("ior is not positive and finite");
-    if (!isFinite(vec3(m.normalScale))) return fault("normalScale is not finite");
+    if (!(std::abs(m.normalScale) <= mostNormalScale)) return fault("normalScale is too large");
     if (!isFraction(m.occlusionStrength)) return fault("occlusionStrength is outside [0, 1]");
     for (const auto* texture :
          {&m.baseColorTexture, &m.roughnessTexture, &m.normalTexture, &m.emissionTexture, &m.occlusionTexture})

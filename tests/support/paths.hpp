@@ -7,18 +7,21 @@
 
 namespace raig::test {
 
+/// Options of a square picture by paths.
 inline FrameOptions paths(uint32_t side, uint32_t samples, uint32_t maxDepth = 8, float minContribution = 0.0f) {
     FrameOptions options = square(side, samples, maxDepth, minContribution);
     options.integrator = Integrator::path;
     return options;
 }
 
+/// The green of each pixel.
 inline std::vector<double> greens(const std::vector<dvec3>& pixels) {
     std::vector<double> values;
     for (const dvec3& pixel : pixels) values.push_back(pixel.y);
     return values;
 }
 
+/// On the CPU and by the reference.
 class Paths : public ByEveryWay {
 protected:
     std::vector<dvec3> render(const Scene& scene, const FrameOptions& options) const {
@@ -33,6 +36,10 @@ protected:
         return sampleOf(means);
     }
 };
+
+/// The share of its light that a unit square sends to one that shares a side with it, at a right angle [Howell 2010, "A
+/// Catalog of Radiation Heat Transfer Configuration Factors", C-14].
+constexpr double formFactor = 0.200044;
 
 /// A grey floor beside a lamp that stands on it, which is black otherwise: all light is direct.
 inline Scene lampOnFloor(float reflectance, float radiance) {
