@@ -64,7 +64,7 @@ protected:
 };
 
 TEST_P(DiscardedWeight, BoundsTheErrorOfEveryPixel) {
-    const uint32_t side = isLong() ? 64 : affordable(20);
+    const uint32_t side = isLong() ? 64 : 20;
     const Stage stage(GetParam().file.empty() ? leafyScene() : importScene(GetParam().file));
     const FrameOptions all = square(side, 1, deepest, finest);
     const Picture whole = stage.onCpu(all);

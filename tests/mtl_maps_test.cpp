@@ -55,6 +55,22 @@ TEST(MtlOptions, WithMalformedOrAbsurdNumbersLeaveTheMapOutWithItsLine) {
     }
 }
 
+TEST(MtlOptions, WithoutAFileLeaveTheMapOutWithItsLine) {
+    for (const char* map : {"map_Kd", "map_Ke -clamp", "map_d -clamp on", "map_d -imfchan i.tga", "norm --",
+                            "map_Kd -clamp i.tga", "map_d -imfchan q i.tga"}) {
+        const Scene scene = load(std::string(map) + "\n", {{"i.tga", tga(1, 1, {red})}});
+        EXPECT_TRUE(hasRemark(scene, "m.mtl:2: ")) << map;
+        EXPECT_TRUE(scene.images.empty()) << map;
+    }
+}
+
+TEST(MtlOptions, GoOnOverLinesThatABackslashJoins) {
+    const Scene scene = load("map_Kd -s 2 \\\n 3 \\\r\n i.tga\n", {{"i.tga", tga(1, 1, {red})}});
+    ASSERT_TRUE(scene.materials.at(0).baseColorTexture);
+    EXPECT_EQ(scene.materials[0].baseColorTexture->v.y, 3.0f);
+    EXPECT_TRUE(scene.remarks.empty());
+}
+
 // ---- map_Ke ------------------------------------------------------------------------------------------------------------
 
 TEST(MtlEmission, IsThePictureTimesKe) {

@@ -37,7 +37,7 @@ size_t optionArguments(std::string_view option) {
     return 1;
 }
 
-/// Reads one option of a map and what follows it. False if a number that counts is malformed or too large.
+/// Reads one option of a map and what follows it. False if that is malformed where it counts, or a number too large.
 bool readOption(text::Words& words, MtlMap& map) {
     const std::string_view option = words.next();
     vec2* pair = option == "-o" ? &map.offset : option == "-s" ? &map.scale : nullptr;
@@ -50,9 +50,11 @@ bool readOption(text::Words& words, MtlMap& map) {
         const std::string_view argument = ahead.next();
         const auto number = text::parseFloat(argument);
         if (mayBeFewer && i > 0 && !number) break;
+        if (option == "-clamp" && argument != "on" && argument != "off") return false;
         if (option == "-clamp") map.clamps = argument == "on";
-        if (option == "-imfchan" && argument.size() == 1 && std::string_view("rgbml").find(argument) != argument.npos)
-            map.channel = argument.front();
+        const bool isChannel = argument.size() == 1 && std::string_view("rgbmlz").find(argument) != argument.npos;
+        if (option == "-imfchan" && !isChannel) return false;
+        if (option == "-imfchan" && argument != "z") map.channel = argument.front();
         if (counts && !(number && std::abs(*number) <= largest)) return false;
         if (pair && i < 2) (*pair)[static_cast<int>(i)] = *number;
         if (option == "-bm") map.strength = *number;
@@ -61,11 +63,11 @@ bool readOption(text::Words& words, MtlMap& map) {
     return true;
 }
 
-/// The options, and the file name after them, which may hold blanks. False if the options' numbers are malformed or too
-/// large.
+/// The options, and the file name after them, which may hold blanks. False without one, and if options are malformed.
 bool readMap(std::string_view arguments, MtlMap& map) {
     MtlMap read;
-    text::Words words(arguments);
+    const std::string joined = text::joinedLines(arguments);
+    text::Words words(joined);
     while (words.rest().starts_with('-')) {
         text::Words ahead = words;
         const std::string_view option = ahead.next();
@@ -73,6 +75,7 @@ bool readMap(std::string_view arguments, MtlMap& map) {
         if (!readOption(words, read)) return false;
     }
     read.file = words.rest();
+    if (read.isNone()) return false;
     std::ranges::replace(read.file, '\\', '/');
     map = std::move(read);
     return true;
@@ -82,8 +85,8 @@ bool readMap(std::string_view arguments, MtlMap& map) {
 constexpr std::array<std::string_view, 9> unreadMaps{"disp",   "decal",  "refl",   "map_Ks", "map_Ns",
                                                      "map_Pr", "map_Pm", "map_Ps", "map_Tr"};
 
-/// Reads the statement of a map into `m`, if it is one, as upper and lower case are mixed up often. False if its options'
-/// numbers are malformed or too large.
+/// Reads the statement of a map into `m`, if it is one, in any case of letters, as these are mixed up often. False if it is
+/// malformed.
 bool readMapStatement(std::string_view key, text::Words& words, MtlMaterial& m) {
     const auto is = [key](std::string_view kind) { return text::equalsIgnoringCase(key, kind); };
     if (is("map_Kd")) return readMap(words.rest(), m.kdMap);

@@ -4,6 +4,7 @@
 #include "scene/text.hpp"
 
 #include <algorithm>
+#include <set>
 #include <unordered_map>
 
 namespace raig {
@@ -45,7 +46,7 @@ std::vector<std::string> filesNamed(const fs::path& folder, std::string statemen
 
 std::vector<Library> loadLibraries(Scene& scene, const fs::path& folder, const std::vector<std::string>& statements) {
     std::vector<Library> libraries;
-    std::vector<fs::path> seen;
+    std::set<fs::path> seen;
     for (const std::string& statement : statements) {
         for (const std::string& name : filesNamed(folder, statement)) {
             const auto inside = pathInside({}, name);
@@ -54,8 +55,7 @@ std::vector<Library> loadLibraries(Scene& scene, const fs::path& folder, const s
                     "the material library {} lies outside the scene's folder and is not read", text::quoted(name)));
                 continue;
             }
-            if (std::ranges::find(seen, *inside) != seen.end()) continue;
-            seen.push_back(*inside);
+            if (!seen.insert(*inside).second) continue;
             if (auto library = loadLibrary(scene, folder, *inside)) libraries.push_back(std::move(*library));
         }
     }

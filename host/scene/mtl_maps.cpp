@@ -103,19 +103,25 @@ std::optional<uint32_t> MtlMaps::merged(const Merge& merge) {
 std::optional<uint32_t> MtlMaps::makeMerged(const Merge& merge) {
     const auto [color, opacity, channel] = merge;
     const Texels* colors = color ? &texelsOf(*color) : nullptr;
-    const Opacity values = opacityOf(texelsOf(*opacity), channel);
-    if (values.isOpaque()) return std::nullopt;
-    const uvec2 size = mergedSize(colors, values);
+    const Texels& opacities = texelsOf(*opacity);
+    if (isOpaque(*opacity, channel)) return std::nullopt;
+    const uvec2 size = mergedSize(colors, {opacities.width, opacities.height});
     const uint64_t texels = uint64_t{size.x} * size.y;
     if (mergedTexels_ + texels > mostMergedTexels) {
-        remarkOnce(fmt::format("map_d is left out where its pictures, joined with map_Kd's, would have more than {} texels in "
-                               "all",
+        remarkOnce(fmt::format("map_d is left out where pictures joined for it would have more than {} texels in all",
                                mostMergedTexels));
         return std::nullopt;
     }
     mergedTexels_ += texels;
-    scene_.images.push_back(withOpacity(colors, values));
+    scene_.images.push_back(withOpacity(colors, opacityOf(opacities, channel)));
     return static_cast<uint32_t>(scene_.images.size() - 1);
+}
+
+/// Looked for once: many materials may share a large picture.
+bool MtlMaps::isOpaque(const Picture& picture, char channel) {
+    const auto [entry, isNew] = opaque_.try_emplace({&picture, channel});
+    if (isNew) entry->second = opacityOf(texelsOf(picture), channel).isOpaque();
+    return entry->second;
 }
 
 std::optional<Texture> MtlMaps::textureFor(const fs::path& library, const MtlMap& map) {

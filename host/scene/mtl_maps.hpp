@@ -50,12 +50,14 @@ private:
                                          Material& material);
     std::optional<uint32_t> merged(const Merge& merge);
     std::optional<uint32_t> makeMerged(const Merge& merge);
+    bool isOpaque(const Picture& picture, char channel);
     void remarkOnce(const std::string& remark);
 
     Scene& scene_;
     std::filesystem::path folder_;
     std::map<std::filesystem::path, std::optional<Picture>> pictures_;
     std::map<Merge, std::optional<uint32_t>> merged_;
+    std::map<std::pair<const Picture*, char>, bool> opaque_;
     uint64_t mergedTexels_ = 0;
     std::set<std::string> said_;
     std::set<std::string_view> leftOut_;

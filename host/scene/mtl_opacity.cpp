@@ -80,13 +80,12 @@ Opacity opacityOf(const Texels& picture, char channel) {
     return opacity;
 }
 
-uvec2 mergedSize(const Texels* color, const Opacity& opacity) {
-    const uvec2 size(opacity.width, opacity.height);
-    return color ? glm::max(size, uvec2(color->width, color->height)) : size;
+uvec2 mergedSize(const Texels* color, const uvec2& opacity) {
+    return color ? glm::max(opacity, uvec2(color->width, color->height)) : opacity;
 }
 
 Texels withOpacity(const Texels* color, const Opacity& opacity) {
-    const uvec2 size = mergedSize(color, opacity);
+    const uvec2 size = mergedSize(color, {opacity.width, opacity.height});
     const ByteEncoding encoded(true), plain(false);
     const Resampled colors(color ? color->width : 1, color ? color->height : 1, size, encoded);
     const Resampled alphas(opacity.width, opacity.height, size, plain);

@@ -21,7 +21,7 @@ bool hasAlpha(const Texels& picture);
 Opacity opacityOf(const Texels& picture, char channel);
 
 /// The size that withOpacity gives: of each side the longer one.
-uvec2 mergedSize(const Texels* color, const Opacity& opacity);
+uvec2 mergedSize(const Texels* color, const uvec2& opacity);
 
 /// The colours of `color`, white where it is null, with that alpha. What is smaller than the merged size is resampled to it,
 /// linearly between texel centres, colours in linear light; what is not keeps its bytes. Cost O(texels of the merged size).

@@ -31,8 +31,8 @@
 ///               of ten texels must then be unit vectors, and not grey. Heights are left out with a remark
 /// disp, decal, refl, map_Ks, map_Ns, map_Pr, map_Pm, map_Ps and map_Tr are left out with one remark, all else in silence;
 /// map_Ka has no meaning here. Maps that are read repeat; with -clamp on their edge texels go on. -s and -o place them at
-/// scale (u, v) + offset of the coordinates as OBJ counts them. Other options are skipped; a map whose options' numbers are
-/// malformed, or beyond what scene.hpp allows, is left out with its line.
+/// scale (u, v) + offset of the coordinates as OBJ counts them. Other options are skipped; a map without a file,
+/// or whose options are malformed or have numbers beyond what scene.hpp allows, is left out with its line.
 #pragma once
 
 #include "scene/scene.hpp"

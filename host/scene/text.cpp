@@ -131,6 +131,16 @@ std::string_view Words::next() {
     return word;
 }
 
+std::string joinedLines(std::string_view statement) {
+    std::string joined;
+    while (!statement.empty()) {
+        const size_t continuation = continuationLength(statement);
+        joined += continuation > 0 ? ' ' : statement.front();
+        statement.remove_prefix(std::max<size_t>(continuation, 1));
+    }
+    return joined;
+}
+
 void Words::skipLine() {
     left_.remove_prefix(std::min(left_.find_first_of("\r\n"), left_.size()));
 }

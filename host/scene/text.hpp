@@ -27,6 +27,9 @@ std::string quoted(std::string_view word);
 /// Without blanks (space, tab, carriage return, form feed, vertical tab, newline) at both ends.
 std::string_view trimmed(std::string_view text);
 
+/// A statement with its lines joined: each backslash that ends one, and the line's end, are a blank.
+std::string joinedLines(std::string_view statement);
+
 /// Equal but for the case of ASCII letters.
 bool equalsIgnoringCase(std::string_view a, std::string_view b);
 
