@@ -54,6 +54,11 @@ Scene wallBehindPanes(uint32_t count) {
     return scene;
 }
 
+/// The distance of floats about x.
+double ulpOf(double x) {
+    return std::ldexp(1.0, std::ilogb(x) - 23);
+}
+
 /// The instance that is seen in each pixel of a row, or NO_HIT.
 std::vector<uint32_t> placesOf(const PrimaryHits& hits) {
     std::vector<uint32_t> places;
@@ -70,16 +75,17 @@ TEST(PrimaryCoverage, ShowsTheWallWhereTheCardIsCutOutAndTheCardWhereNot) {
     size_t cards = 0, holes = 0;
     for (uint32_t i = 0; i < got.pixels.size(); ++i) {
         SCOPED_TRACE(i);
-        const double a = std::tan(0.5 * 0.785398) * ((i % 40 + 0.5) / 20.0 - 1.0);
-        const double b = std::tan(0.5 * 0.785398) * (1.0 - (i / 40 + 0.5) / 20.0);
+        const double a = std::tan(0.5 * double{Camera{}.yfov}) * ((i % 40 + 0.5) / 20.0 - 1.0);
+        const double b = std::tan(0.5 * double{Camera{}.yfov}) * (1.0 - (i / 40 + 0.5) / 20.0);
         const double away = 4.0 / (1.0 - 0.5 * a);  // of the card's plane, z = -x / 2, along the camera's axis
         const bool onCard = std::abs(a * away) < 1.0 && std::abs(b * away) < 1.0, isCard = onCard && a > 0.0;
         ASSERT_TRUE(haveSameBits(got.pixels[i], isCard ? whole.pixels[i] : without.pixels[i]));
         ASSERT_EQ(got.pixels[i].instance, isCard ? cardPlace : wallPlace);
         ASSERT_EQ(got.pixels[i].material, isCard ? cardPlace : wallPlace);
-        ASSERT_NEAR(got.pixels[i].depth, (isCard ? away : 6.0) * std::sqrt(1.0 + a * a + b * b), 1e-5);
-        ASSERT_NEAR(got.pixels[i].normal.z, isCard ? 2.0 / std::sqrt(5.0) : 1.0, 1e-6);
-        ASSERT_NEAR(got.pixels[i].albedo.x, isCard ? 1.0 : 0.2, 1e-6);
+        const double depth = (isCard ? away : 6.0) * std::sqrt(1.0 + a * a + b * b);
+        ASSERT_NEAR(got.pixels[i].depth, depth, 8 * ulpOf(depth));
+        ASSERT_NEAR(got.pixels[i].normal.z, isCard ? 2.0 / std::sqrt(5.0) : 1.0, 2 * ulpOf(1.0));
+        ASSERT_NEAR(got.pixels[i].albedo.x, isCard ? 1.0 : 0.2, 2 * ulpOf(1.0));
         cards += isCard;
         holes += onCard && !isCard;
     }

@@ -7,7 +7,6 @@
 
 #include <tbb/global_control.h>
 
-#include <cctype>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -21,13 +20,6 @@ namespace {
 
 /// What no Error foresaw: a bug in raig. EX_SOFTWARE of sysexits.h, apart from the codes with a meaning.
 constexpr int bugExitCode = 70;
-
-/// One line, whatever names and bytes of the user's ended up in the text.
-void printError(const char* kind, std::string text) {
-    for (char& c : text)
-        if (std::iscntrl(static_cast<unsigned char>(c))) c = ' ';
-    std::fprintf(stderr, "raig: %s: %s\n", kind, text.c_str());
-}
 
 int runCommand(const Options& options) {
     switch (options.command) {
@@ -81,13 +73,13 @@ int main(int argc, char** argv) {
     try {
         return raig::run(argc, argv);
     } catch (const raig::Error& error) {
-        raig::printError("error", error.what());
+        raig::log::errorText("error", error.what());
         return static_cast<int>(error.exitCode);
     } catch (const std::bad_alloc&) {
-        raig::printError("error", "memory ran out; try a smaller scene or picture, or a machine with more");
+        raig::log::errorText("error", "memory ran out; try a smaller scene or picture, or a machine with more");
         return static_cast<int>(raig::ExitCode::limit);
     } catch (const std::exception& error) {
-        raig::printError("bug", std::string(error.what()) + "; please report it with the command line");
+        raig::log::errorText("bug", std::string(error.what()) + "; please report it with the command line");
         return raig::bugExitCode;
     }
 }

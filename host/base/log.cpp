@@ -1,6 +1,7 @@
 #include "base/log.hpp"
 
 #include <atomic>
+#include <cctype>
 #include <cstdio>
 
 namespace raig::log {
@@ -9,11 +10,10 @@ namespace {
 
 std::atomic<bool> isQuiet = false;
 
-/// One line, whatever names of files may hold: terminals obey some characters.
-void write(const char* before, std::string text) {
+void writeLine(std::string text) {
     for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-    std::fprintf(stderr, "%s%s\n", before, text.c_str());
+        if (std::iscntrl(static_cast<unsigned char>(c))) c = ' ';
+    std::fprintf(stderr, "raig: %s\n", text.c_str());
 }
 
 }  // namespace
@@ -26,11 +26,15 @@ bool quiet() {
 }
 
 void noteText(const std::string& text) {
-    if (!isQuiet) write("raig: ", text);
+    if (!isQuiet) writeLine(text);
 }
 
 void warnText(const std::string& text) {
-    write("raig: warning: ", text);
+    writeLine("warning: " + text);
+}
+
+void errorText(const std::string& kind, const std::string& text) {
+    writeLine(kind + ": " + text);
 }
 
 }  // namespace raig::log

@@ -11,9 +11,11 @@ namespace raig::log {
 void setQuiet(bool quiet);
 bool quiet();
 
-/// Prints "raig: TEXT" on standard error.
+/// Prints "raig: TEXT" on standard error, "raig: warning: TEXT", or "raig: KIND: TEXT": one line, whatever names and bytes of
+/// the user's ended up in the text; control characters become blanks.
 void noteText(const std::string& text);
 void warnText(const std::string& text);
+void errorText(const std::string& kind, const std::string& text);
 
 template <class... Args>
 void note(fmt::format_string<Args...> format, Args&&... args) {
